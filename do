@@ -10,7 +10,7 @@ ninja=/usr/bin/ninja
 # The one list of Debian 12 packages. Every command needs `build`; `test`, `check` and `bench` add theirs.
 packages_build=(
     meson ninja-build gcc g++ libc6-dev pkg-config
-    libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libcmocka-dev
+    libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libmuparser-dev libcmocka-dev
     python3 python3-numpy python3-h5py python3-matplotlib
 )
 packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
@@ -84,7 +84,9 @@ need() {
         as_root=(sudo)
     fi
     say "installing: ${missing[*]}"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 ||
+    # Lists of the last hour are not fetched again.
+    [[ -n $(find /var/lib/apt/lists -maxdepth 1 -name '*Packages*' -mmin -60 2>/dev/null) ]] ||
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 ||
         say "./do: apt-get update failed; trying with the package lists that are there"
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
         apt-get install -q -y --no-install-recommends "${missing[@]}" >&2 ||
@@ -308,12 +310,13 @@ command_accuracy() {
 }
 
 command_install() {
-    local name
+    local name all=()
     for name in "$@"; do
         local -n packages="packages_$name" 2>/dev/null || die "install: no such list of packages: $name"
         [[ -v packages[@] ]] || die "install: no such list of packages: $name"
-        need "${packages[@]}"
+        all+=("${packages[@]}")
     done
+    need "${all[@]}"
 }
 
 release_version() {

@@ -13,6 +13,7 @@ from calibrate.readings import main_test, strength_of
 from calibrate.simulate import write_whole
 
 PHYSICAL = {"poisson_ratio": (0.0, 0.5), "friction_angle": (0.0, 90.0)}  # ranges of readings; of all others: above 0
+PARAMETERS = {"ratio": "k_t/k_n", "chi": "the shear strength over the tensile strength of bonds"}  # names in sentences
 CHANGE = 0.1  # change of a logarithm (of bond_friction: of itself) in sentences on undetermined combinations
 FILES = ("calibration.json", "calibrated.yaml", "report.html")
 # Scene key: parameters whose scaled coordinates add up to that of the key, with their signs.
@@ -92,6 +93,19 @@ def undetermined_notes(result, parameters):
     return notes
 
 
+def bound_notes(result):
+    """Sentences on parameters at an end of their range, where they count as given."""
+    search, notes = result.search, []
+    for name in search.free:
+        value = result.evaluation.parameters[name]
+        for side in sorted(search.ends_at(value, name)):
+            key, limit = PARAMETERS.get(name, name), search.limits[name][side > 0]
+            if name == "bond_friction" and value < 0.0:
+                key, limit = "friction", laws.FRICTION + limit / laws.LOWERING
+            notes.append(f"{key} is at the {'upper' if side > 0 else 'lower'} end of its range, {limit:.4g}: it counts as given")
+    return notes
+
+
 def document(request, laboratory, result, tried):
     """All of calibration.json."""
     law, free = result.material.law, result.search.free
@@ -102,7 +116,7 @@ def document(request, laboratory, result, tried):
     if result.other:
         other = {"test": result.other[0].name, "strengths": finite(result.other[1]), "unit": "Pa"}
     return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
-            "reached": result.reached, "notes": result.notes + few + undetermined_notes(result, parameters), "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
+            "reached": result.reached, "notes": result.notes + few + bound_notes(result) + undetermined_notes(result, parameters), "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
             "seeds": request.seeds, "parameters": parameters, "found": found_of(result), "other_test": other,
             "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "packings": len(result.evaluation.values),
                            "values": [result.evaluation.parameters[name] for name in free],

@@ -270,7 +270,7 @@ def _contradictions(file, places, targets):
     confined = sum(1 for target in targets.values() if target.confinement)
     for name in ("crack_initiation_stress", "friction_angle", "m_i"):
         if name in targets and "compressive_strength" not in targets and (name == "crack_initiation_stress" or confined < 3):
-            file.fail(places[name], f"targets.{name}: expected compressive_strength beside it, found none")
+            file.fail(places[name], f"targets.{name}: needs compressive_strength; found none")
 
 
 def read_targets(file, node):
@@ -478,14 +478,14 @@ def read(path):
         if law not in ("auto", "scene", *LAWS) or (law == "scene" and "scene" not in found):
             file.fail(found["law"], f"law: expected auto, {', '.join(LAWS)} or a section as in a scene, found '{law}'")
     if "bonds" in found and law != "scene":
-        file.fail(found["bonds"], f"bonds: expected a section law beside it, found {describe(found['law']) if 'law' in found else 'none'}")
+        file.fail(found["bonds"], f"bonds: needs a section law; found {describe(found['law']) if 'law' in found else 'none'}")
     if law == "scene" and "bonds" not in scene:
-        file.fail(found["scene"], "scene: expected a scene with the section bonds, or a law beside it, found neither")
+        file.fail(found["scene"], "scene: expected a scene with the section bonds, or a law, found neither")
     request = Request(path, file.text(found["title"], "title") if "title" in found else "", scene, law, targets,
                       _seeds(file, found["seeds"]) if "seeds" in found else [1, 2, 3, 4, 5], shape=shape)
     if "parameters" in found:
         if law != "scene" or "scene" not in found or "law" in found:
-            file.fail(found["parameters"], "parameters: expected a scene, whose law and material are taken, and no law beside it")
+            file.fail(found["parameters"], "parameters: expected a scene, whose law and material are taken, and no law of its own")
         request.parameters = _parameters(file, found["parameters"], scene)
     if "budget" in found:
         _budget(file, found["budget"], request)

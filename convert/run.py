@@ -21,6 +21,8 @@ def read(folder, options):
         with h5py.File(path, "r") as file:
             particles.dimension = int(file.attrs.get("dimension", 3))
             held = {name: np.array(one) for name, one in file["particles"].items() if isinstance(one, h5py.Dataset)}
+    except PermissionError:
+        raise Problem(f"{path}: cannot be read: Permission denied", 3) from None
     except (OSError, KeyError, ValueError) as error:
         raise Problem(f"{path}: expected results of gneiss, found something else ({error})", 3) from None
     if "position" not in held or "radius" not in held:

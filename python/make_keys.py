@@ -20,9 +20,10 @@ from typing import Any, Literal, TypedDict, Union
 Number = Union[float, str]  # in SI, or a text with a unit
 Vector = Sequence[Number]
 Rows = Any  # rows of numbers, also as an array of numpy, or their number
-Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, or [[time, value], ...]
+Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, [[time, value], ...], or a formula of t in a text
+Tables = Sequence[Table]
 '''
-TYPES = {"number": "Number", "integer": "int | str", "text": "str", "vector": "Vector", "spin": "Number | Vector", "table": "Table",
+TYPES = {"number": "Number", "integer": "int | str", "text": "str", "vector": "Vector", "tables": "Tables", "spin": "Number | Vector", "table": "Table",
          "numbers": "Sequence[int]", "rows": "Rows", "names": "str | Sequence[str]", "tree": "Any"}
 
 

@@ -536,10 +536,10 @@ static void missing_and_unread_keys_are_refused(void **state) {
     refuse(strong, "{stiffness: dempack, gamma: 0}",
            "s.yaml:3:34: law.gamma: expected a value in [1e-6, 1e6] or 'auto', found '0'");
     refuse(strong, "{stiffness: dempack, gamma: 1, gamma_rule: porosity}",
-           "s.yaml:3:49: law.gamma_rule: expected gamma auto beside it, found a number");
+           "s.yaml:3:49: law.gamma_rule: needs gamma auto; found a number");
     refuse("kratio: 1, contact_modulus: 1, tensile_strength: 1, shear_strength: 1",
            "{stiffness: harmonic, gamma: 1}",
-           "s.yaml:3:35: law.gamma: expected stiffness dempack or polyhedron beside it");
+           "s.yaml:3:35: law.gamma: needs stiffness dempack or polyhedron");
 }
 
 /* Spheres that overlap so much that the volume has no pores. */

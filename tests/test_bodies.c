@@ -517,7 +517,7 @@ static void errors_say_where_and_what(void **state) {
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, free: true}]", "density");
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, free: true, density: 3, "
            "initial_spin: [0, 3, 0], motion: {wx: 1, wy: 0, wz: 0}}]",
-           "initial_spin", "no prescribed spin");
+           "initial_spin", "without a prescribed spin");
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, density: 3}]", "density",
            "free");
     REFUSE("bodies: [{name: b, polygon: [[0, 0], [1, 0], [0, 1]], stiffness: 1}]",

@@ -788,7 +788,7 @@ static void bad_values_are_refused_at_their_place(void **state) {
                    "s.yaml:5:", "bonds.moment_share");
     expect_refusal("", "radius_multiplier: 1", "0", "s.yaml:3:", "materials[0].kratio");
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2", "s.yaml:5:", "law.rotation");
-    expect_refusal("", "moment_share: 0.5", "2", "s.yaml:5:", "expected a radius_multiplier");
+    expect_refusal("", "moment_share: 0.5", "2", "s.yaml:5:", "needs a radius_multiplier");
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2",
                    "s.yaml:5:", "expected 0 with law.rotation: off");
 }

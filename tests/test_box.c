@@ -162,6 +162,34 @@ static void a_stress_is_held_while_another_side_moves_on(void **state) {
     }
 }
 
+/* The sides across x and y hold the mean stress p while z shrinks. In an fcc lattice whose contacts
+ * stick, stress_zz - stress_xx is (C11 - C12) (e_z - e_x), with C11 - C12 = (2 k_n + 6 k_t) d^2/a^3
+ * from the sums over 24 contacts in a cell of a = sqrt(2) d (of k_n: 16/4 - 8/4, of k_t: 16/4 +
+ * 8/4). */
+static void sides_hold_the_mean_stress_while_another_one_moves(void **state) {
+    (void)state;
+    gn_world *w = crystal(0, 0, 0,
+                          "x: {stress: 140 kPa, stress_of: mean, max_rate: 50}, y: {stress: 140 "
+                          "kPa, stress_of: mean, max_rate: 50}, z: {rate: -0.02}",
+                          "}\ndamping: {background: {model: viscous, coefficient: 3000}");
+    while (w->ctx.time < 25e-3) {
+        run_steps(w, 100);
+        measured_step(w);
+        const double *s = w->ledger.stress, mean = (s[0] + s[4] + s[8]) / 3.0;
+        if (w->ctx.time > 5e-3) assert_near(mean, -1.4e5, 2e-3 * 1.4e5);
+    }
+    double strain[3];
+    for (int a = 0; a < 3; a++) strain[a] = w->ctx.period[a] / SIDE - 1.0;
+    const double d = 2e-3, edge = sqrt(2.0) * d,
+                 modulus = (2.0 * 1e5 + 6.0 * 0.5e5) * d * d / (edge * edge * edge);
+    const double *s = w->ledger.stress;
+    assert_near(strain[2], -0.02 * 25e-3, 1e-5);
+    assert_near(s[0], s[4], 10.0);
+    assert_near((s[8] - s[0]) / (modulus * (strain[2] - strain[0])), 1.0, 1e-2);
+    assert_true(fabs(strain[0] + strain[1] + strain[2]) < 0.1 * fabs(strain[2]));
+    world_end(w);
+}
+
 /* --- whole runs --- */
 
 static void steps(gn_run *run, int64_t count) {
@@ -450,6 +478,7 @@ int main(void) {
         cmocka_unit_test(a_free_particle_keeps_its_speed_in_units_of_the_box),
         cmocka_unit_test(a_mean_stress_is_held_whatever_the_relaxation),
         cmocka_unit_test(a_stress_is_held_while_another_side_moves_on),
+        cmocka_unit_test(sides_hold_the_mean_stress_while_another_one_moves),
         cmocka_unit_test(a_servo_is_stable_at_the_limit_of_the_step),
         cmocka_unit_test(a_box_is_compacted_bonded_and_loaded),
         cmocka_unit_test(a_box_holds_the_stress_of_hertzian_grains),

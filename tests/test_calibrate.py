@@ -1,5 +1,7 @@
 """gneiss calibrate: parameters recovered from readings that known parameters gave, interruptions, budgets, bad
 targets. Speaks TAP."""
+import contextlib
+import io
 import re
 import signal
 import subprocess
@@ -8,7 +10,8 @@ from types import SimpleNamespace
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import output, readings, report, simulate, specimens, targets, uncertainty  # noqa: E402
+from calibrate import command as calibrate_command  # noqa: E402
+from calibrate import output, readings, report, simulate, specimens, strength, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -39,6 +42,14 @@ def calibrated(folder, text=TARGETS, name="a", *options, code=0):
     targets = write_scene(folder, text, name + ".yaml")
     out = os.path.join(folder, name)
     return out, expect(gneiss("calibrate", targets, "--out", out, *options), code)
+
+
+def refused(folder, message, text, name="bad"):
+    """Reads targets in this process, which saves hundreds of imports of libraries; they must be refused with a message that matches."""
+    told, targets_file = io.StringIO(), write_scene(folder, text, name + ".yaml")
+    with contextlib.redirect_stderr(told):
+        code = calibrate_command.main([targets_file, "--out", os.path.join(folder, name), "--program", PROGRAM])
+    assert code == 2 and re.search(message, told.getvalue()), f"expected /{message}/ and exit code 2 in: {code} {told.getvalue()}"
 
 
 def known_readings(folder):
@@ -217,7 +228,7 @@ def wrong_parameters_and_curves_are_refused_with_their_place(folder):
                           ("parameters: {yield_ratio_1: [1, 9]}", r"1:29: .*holds the value of the scene, found none there"),
                           ("parameters: {friction: [1 m, 2 m]}", r"1:25: parameters\.friction: 'm' cannot be converted"),
                           ("parameters: {}", r"1:13: parameters: expected at least one key"),
-                          ("law: linear\nparameters: {friction: [0.1, 1]}", r"2:13: parameters: expected a scene, .* and no law beside it"),
+                          ("law: linear\nparameters: {friction: [0.1, 1]}", r"2:13: parameters: expected a scene, .*, and no law"),
                           ("curve: gone.csv", r"3:18: targets\.curve\.file: gone\.csv cannot be read: No such file"),
                           ("curve: {confinement: 1 MPa}", r"3:18: targets\.curve\.file: expected a file of strains and stresses, found none"),
                           ("curve: {file: falls.csv, stress: 1}", r"3:44: targets\.curve\.stress: expected file, confinement or tolerance"),
@@ -229,8 +240,7 @@ def wrong_parameters_and_curves_are_refused_with_their_place(folder):
                           ("curve: short.csv", r"3:18: .*short\.csv: expected at least two rows .*, found 0 rows"),
                           ("curve: wide.csv", r"3:18: .*wide\.csv: row 1: expected two numbers")):
         text = f"{line}\nscene: base.yaml\ntargets: {{compressive_strength: 45 MPa}}\n" if "parameters" in line else f"title: a\nscene: base.yaml\ntargets: {{{line}}}\n"
-        _, done = calibrated(folder, text, "bad", code=2)
-        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+        refused(folder, message, text)
     write_scene(folder, {"specimen": SPECIMEN, "materials": [{"name": "rock", "density": 2600, "friction": 0.5}], "law": {"stiffness": "harmonic"}, "bonds": {}}, "base.yaml")
     _, done = calibrated(folder, "scene: base.yaml\nparameters: {friction: [0.2, 1]}\ntargets: {compressive_strength: 45 MPa}\n", "bad", code=2)
     assert re.search(r":2:13: parameters: expected a scene whose material has the contact_modulus \(Pa\) of its law, found none there", done.stderr), done.stderr
@@ -329,13 +339,13 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
             (head + "law: magic\n", r":4:6: law: expected auto.*found 'magic'"),
             (head + "walls: []\n", r":4:1: walls: expected one of"),
             (head + "scene: base.yaml\n", r"expected either specimen .* or scene"),
-            (head + "  friction_angle: 40\n", r":4:19: targets\.friction_angle: expected compressive_strength beside it"),
+            (head + "  friction_angle: 40\n", r":4:19: targets\.friction_angle: needs compressive_strength"),
             (head + "title: &a [*a]\n", r":4:12: YAML aliases are not part of a file of targets"),
             (head + "title: " + 40 * "[" + "\n", r":4:39: nested too deeply"),
             (head + "title: [a]\n", r":4:8: title: expected a text, found a list"),
             (head + "law: {}\n", r":4:6: law\.stiffness: expected the stiffness of contacts, found none"),
-            (head + "bonds: {interaction_range: 0.1}\n", r":4:8: bonds: expected a section law beside it, found none"),
-            (head + "law: linear\nbonds: {}\n", r":5:8: bonds: expected a section law beside it, found 'linear'"),
+            (head + "bonds: {interaction_range: 0.1}\n", r":4:8: bonds: needs a section law; found none"),
+            (head + "law: linear\nbonds: {}\n", r":5:8: bonds: needs a section law; found 'linear'"),
             (head + "law: {stiffness: hertz}\n", r":4:18: law\.stiffness: expected one of uniform.*found 'hertz'"),
             (head.replace("250", "49"), r":1:67: specimen\.particles: expected at least 50 particles, .* found about 49"),
             (head.replace("particles: 250", "mean_radius: 5 mm"), r":1:69: specimen\.mean_radius: expected at least 50 particles, .* found about 14\.4"),
@@ -349,8 +359,7 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
             (head.split("  young")[0] + "  {}\n", r"targets: expected at least one of"),
             ("targets: [1\n", r":2:1: .*expected"),
             (head.replace("cylinder: {diameter: 20 mm, height: 40 mm}", "disc: {diameter: 20 mm}"), r":1:11: specimen: expected a cylinder")):
-        _, done = calibrated(folder, text, "bad", code=2)
-        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+        refused(folder, message, text)
     scene = {"specimen": SPECIMEN, "materials": [{"name": "rock", "density": 2600, **KNOWN}], "law": {"stiffness": "harmonic"}, "bonds": {}}
     for key, value, message in (("materials", [{**scene["materials"][0], "density": "5 m"}], r"base\.yaml:.*materials\.density: 'm' cannot be converted"),
                                 ("materials", [{"name": "rock"}], r"base\.yaml:.*materials\.density: expected a density, found none"),
@@ -359,8 +368,7 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
                                 ("specimen", {**SPECIMEN, "file": "rock.txt"}, r"base\.yaml:\d+:\d+: specimen\.file: expected a shape alone.*found file beside cylinder"),
                                 ("bonds", None, r"bad\.yaml:1:8: scene: expected a scene with the section bonds")):
         write_scene(folder, {name: part for name, part in {**scene, key: value}.items() if part is not None}, "base.yaml")
-        _, done = calibrated(folder, "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", "bad", code=2)
-        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+        refused(folder, message, "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n")
     expect(gneiss("calibrate", os.path.join(folder, "none.yaml")), 2, "cannot be read")
     calibrated(folder, "targets: {young_modulus: 20 GPa}\nscene: none.yaml\n", "gone", code=2)
     expect(gneiss("calibrate", os.path.join(folder, "gone.yaml")), 2, r"gone\.yaml:2:8: scene: none\.yaml cannot be read: No such file")
@@ -464,6 +472,19 @@ def a_parameter_that_no_reading_determines_has_no_interval(_):
                              ([[0.0, 0.0], [0.0, 0.0]], [{"tension": 1.0}, {"chi": 1.0}])):
         found = uncertainty.undetermined(one, one, np.array(slopes))
         assert [sorted((name, round(change, 9)) for name, change in each.items()) for each in found] == [sorted(each.items()) for each in expected], (slopes, found)
+
+
+@plain_fact
+def a_parameter_at_an_end_of_its_range_is_named(_):
+    class Ended:
+        free, limits = ["tension", "chi", "bond_friction"], {"tension": (1e-6, 1e15), "chi": (0.3, 10.0), "bond_friction": (-1.5, 4.0)}
+        ends_at = strength.Search.ends_at
+
+    for chi, friction, notes in ((2.0, 0.5, []), (10.0, 0.5, ["the shear strength over the tensile strength of bonds is at the upper end of its range, 10"]),
+                                 (0.3, -1.5, ["the shear strength over the tensile strength of bonds is at the lower end of its range, 0.3",
+                                              "friction is at the lower end of its range, 0"])):
+        result = SimpleNamespace(search=Ended(), evaluation=SimpleNamespace(parameters={"tension": 1e6, "chi": chi, "bond_friction": friction}))
+        assert output.bound_notes(result) == [f"{note}: it counts as given" for note in notes], output.bound_notes(result)
 
 
 @plain_fact

@@ -1014,7 +1014,7 @@ def errors_in_specimen_from_are_reported_with_their_place(folder):
                                   (empty, "", r":4:9: specimen.from: cannot open .*it is a folder without results.h5"),
                                   (other, "", r":4:9: specimen.from: .*other.h5: expected an HDF5 file of gneiss"),
                                   (solid, "", r":4:9: specimen.from: expected the results of a run with particles, found none of them"),
-                                  (other, "  scale: 2\n", r":5:10: specimen.scale: expected file, surface or mesh beside it")):
+                                  (other, "  scale: 2\n", r":5:10: specimen.scale: needs file, surface or mesh")):
         expect(gneiss("check", write_scene(folder, scene.format(target, more))), 2, "scene.yaml" + pattern)
     expect(gneiss("check", write_scene(folder, scene.format(empty, "")), "--set", f"specimen.from={other}"), 2,
            "input error: --set specimen.from: .*other.h5: expected an HDF5 file of gneiss")

@@ -899,7 +899,7 @@ static void invalid_conversions_are_refused(void **state) {
     assert_refused(&plate, "couple: {", "couple: {constraint: penalty, ",
                    "couple.constraint: expected no couple.constraint but lumped");
     assert_refused(&plate, "couple: {", "couple: {penalty: 2, ",
-                   "expected constraint: penalty beside it, found lumped");
+                   "needs constraint: penalty; found lumped");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, motion: {vx: 0}}]\ncouple: {",
                    "sets[0].motion: expected no sets with motion or force");

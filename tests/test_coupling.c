@@ -444,7 +444,7 @@ static void invalid_zones_are_refused(void **state) {
                    "edges[0].to: expected a point");
     assert_refused(&s, "couple: {", "couple: {spin: free, ", "unknown key");
     assert_refused(&s, "materials: [{young", "contact: {stiffness: 1e9}, materials: [{young",
-                   "expected no elements.contact beside it, found one");
+                   "needs a scene without elements.contact; found one");
     s.rest = "damping: {background: {model: nonviscous_vector, coefficient: 0.1}}\n";
     assert_refused(&s, "couple: {", "couple: {constraint: consistent, ",
                    "expected lumped or penalty beside background damping that is not viscous");

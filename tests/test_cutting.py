@@ -19,6 +19,7 @@ def sets(**values):
 
 
 COARSE = sets(specimen__mean_radius="5 mm", output__snapshots=0)
+FAST = sets(bodies__disc__motion__vx="16 m/s")
 # A dozen lattice cells of unbonded or bonded balls under a chisel: a run of seconds that tests only the tool.
 BLOCK = """
 dimension: 3
@@ -63,7 +64,7 @@ def closes(folder, tools=1):
 
 @plain_fact
 def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
-    run(example("disc"), folder, *COARSE, *sets(test__run_in="45 mm", test__length="60 mm"))
+    run(example("disc"), folder, *COARSE, *FAST, *sets(test__run_in="45 mm", test__length="60 mm"))
     h, s = closes(folder), summary(folder)
     assert s["stop_reason"].startswith("the tool has reached the end of its path"), s["stop_reason"]
     assert not any(w["name"] == "cutting_path" for w in s["warnings"]), s["warnings"]
@@ -81,7 +82,7 @@ def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
 
 @plain_fact
 def forces_along_the_rim_add_up_to_the_mean_forces(folder):
-    run(example("disc"), folder, *COARSE)
+    run(example("disc"), folder, *COARSE, *FAST)
     with results(folder) as file:
         rim = {name: data[:] for name, data in file["rim"].items()}
     for part in ("normal", "rolling"):  # every tenth step is examined
@@ -156,8 +157,8 @@ def a_chisel_that_meets_nothing_has_no_force(folder):
 
 @plain_fact
 def a_tool_pressed_by_a_force_does_its_work(folder):
-    pressed = sets(bodies__disc__motion__vz="free", bodies__disc__force="[0, 0, -60 kN]", bodies__disc__mass="1 t", time__end="20 ms")
-    run(example("disc"), folder, *COARSE, *pressed)
+    pressed = sets(bodies__disc__motion__vz="free", bodies__disc__force="[0, 0, -60 kN]", bodies__disc__mass="1 t", time__end="8 ms")
+    run(example("disc"), folder, *COARSE, *FAST, *pressed)
     h, s = history(folder), summary(folder)
     sunk = -h["body_disc_displacement_z"][-1]
     assert abs(h["energy_work_applied"][-1] / (60e3 * sunk) - 1) < 1e-9, (h["energy_work_applied"][-1], sunk)
@@ -170,10 +171,10 @@ def a_tool_pressed_by_a_force_does_its_work(folder):
 @plain_fact
 def every_example_cuts_and_closes_its_ledger(folder):
     coarse = {
-        "relieved": COARSE,
-        "coupled": sets(specimen__mean_radius="5.5 mm", output__snapshots=0, time__end="15 ms"),
-        "pick": sets(specimen__mean_radius="3.5 mm", output__snapshots=0),
-        "pick-plane": sets(specimen__mean_radius="2 mm", output__snapshots=0),
+        "relieved": COARSE + sets(bodies__first__motion__vx="16 m/s", bodies__second__motion__vx="16 m/s"),
+        "coupled": FAST + sets(specimen__mean_radius="5.5 mm", output__snapshots=0, time__end="4 ms"),
+        "pick": sets(specimen__mean_radius="3.5 mm", output__snapshots=0, bodies__pick__motion__vx="12 m/s"),
+        "pick-plane": sets(specimen__mean_radius="2 mm", output__snapshots=0, bodies__pick__motion__vx="9 m/s"),
     }
     for name, options in coarse.items():
         place = os.path.join(folder, name)
@@ -182,6 +183,9 @@ def every_example_cuts_and_closes_its_ledger(folder):
         assert h["removed_volume"][-1] > 0, name
         if name != "coupled":
             assert reading(place, "rolling_force") > 0, name
+        damage, height = reading(place, "damage_depth"), {"relieved": 0.03, "coupled": 0.092, "pick": 0.025, "pick-plane": 0.025}[name]
+        through = any(w["name"] == "cutting_block" and " m high" in w["text"] for w in summary(place)["warnings"])
+        assert through == (damage > 0.75 * height) and damage > 0.2 * height, (name, damage)  # elements are a part of the block
 
 
 @plain_fact
@@ -295,6 +299,55 @@ def a_cut_in_stages_is_followed_and_read(folder):
     assert reading(folder, "rolling_force") > 0 and reading(folder, "removed_volume") > 0
     h = history(folder)
     assert h["cut_path"][h["time"] < 0.4e-3].max() == 0 and h["cut_path"][-1] > 14e-3
+
+
+BACK = "  - {name: back, select: {end: {axis: x, side: upper, depth: 2 mm, by: centre}}, motion: {vx: 0, vy: 0, vz: 0}}\n"
+
+
+@fact
+def a_path_ends_two_depths_before_a_held_back(folder):
+    held = BLOCK.replace("bodies:\n", BACK + "bodies:\n", 1)
+    free = held.replace(", length: 10 mm", "")
+    run(write_scene(folder, free), folder, "--set", "time.end=8 ms")
+    assert summary(folder)["stop_reason"].startswith("the tool has reached the end of its path"), summary(folder)["stop_reason"]
+    closes(folder)
+    with results(folder) as file:
+        x, radius = (file["particles/position"][:] - file["particles/displacement"][:])[:, 0], file["particles/radius"][:]
+    last = x > x.max() - 1e-4
+    end = (x - radius)[last].min() + 2e-3 - 2 * 5e-3  # the tool begins at -2 mm and cuts 5 mm deep
+    assert abs(history(folder)["cut_path"][-1] - end) < 1e-4, (history(folder)["cut_path"][-1], end)
+    # Nearer to it a given length is doubted, and beyond it refused; a set that only holds the back across the cut is no obstacle.
+    near, far = (held.replace("length: 10 mm", f"length: {1e3 * (end + more):.3f} mm, run_in: 1 um") for more in (6e-3, 11e-3))
+    said = gneiss("check", write_scene(folder, near)).stdout
+    found = re.search(r"after a path of (\S+) m the tool reaches particles that are held along the cut, and the path of the means ends at (\S+) m", said)
+    assert found and abs(float(found[1]) - end - 10e-3) < 1e-5 and abs(float(found[2]) - end - 6e-3) < 1e-5, re.findall("warning:.*", said)
+    expect(gneiss("check", write_scene(folder, far)), 2, r"test.length: expected at most 0.0\d+ m, after which .* reaches particles that are held along the cut")
+    across = write_scene(folder, free.replace(BACK, BACK.replace("vx: 0, ", "")))
+    assert "held along the cut" not in gneiss("check", across).stdout
+    assert float(re.search(r"length (\S+) m", gneiss("check", across).stdout)[1]) > end + 10e-3
+
+
+@fact
+def a_block_that_breaks_as_a_whole_is_reported(folder):
+    def stronger(tension, layers, height):
+        block = BLOCK.replace("5 MPa, shear_strength: 20 MPa", f"{tension} MPa, shear_strength: {4 * tension} MPa")
+        return block.replace("[8, 4, 3]", f"[8, 8, {layers}]").replace("-17 mm", f"-{height} mm")
+
+    shallow = stronger(20, 4, 23).replace("width: 15 mm", "width: 5 mm").replace("0, -5 mm]", "6 mm, -2 mm]").replace("depth: 5 mm", "depth: 2 mm")
+    said = {}
+    for name, scene in (("through", BLOCK), ("wide", stronger(10, 6, 34)), ("little", shallow)):
+        place = os.path.join(folder, name)
+        run(write_scene(folder, scene), place, "--set", "time.end=2.2 ms")
+        said[name] = {w["name"]: w["text"] for w in summary(place)["warnings"]}.get("cutting_block", "")
+    found = re.match(r"bonds are broken down to (\S+) m below the surface of the rock, which is (\S+) m high: the block broke as a whole", said["through"])
+    assert found and float(found[1]) > 0.75 * float(found[2]), said
+    assert abs(float(found[1]) / reading(os.path.join(folder, "through"), "damage_depth") - 1) < 1e-3, said
+    assert reading(os.path.join(folder, "wide"), "damage_depth") < 0.75 * 0.035, said
+    found = re.match(r"the section of the removed rock is (\S+) m2, depth times (\S+) m, and the rock is (\S+) m wide", said["wide"])
+    length = history(os.path.join(folder, "wide"))["cut_path"][-1] - 4e-3  # means begin where the rock does, 4 mm after the start
+    assert found and abs(float(found[1]) / (reading(os.path.join(folder, "wide"), "removed_volume") / length) - 1) < 1e-2, (said, length)
+    assert abs(float(found[1]) / float(found[2]) / 5e-3 - 1) < 1e-3 and float(found[2]) >= float(found[3]) > 0.045, said
+    assert not said["little"] and reading(os.path.join(folder, "little"), "damage_depth") < 0.01, said
 
 
 @fact

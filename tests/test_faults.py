@@ -208,7 +208,7 @@ def allocations_of_measured_steps_of_zones_may_fail(folder):
     # The allocations between the set-up and the final files, among them those of the mean stress of zones. A few
     # failures have no effect, because the program has an alternative.
     out, codes = os.path.join(folder, "out"), {}
-    for number in range(1000, allocations(out, *CONVERTING) - 250, 47):
+    for number in range(1000, allocations(out, *CONVERTING) - 250, 199):
         shutil.rmtree(out)
         os.mkdir(out)
         done = faulty(*CONVERTING, "--out", out, "--quiet", "--threads", 1, alloc=number)

@@ -480,7 +480,7 @@ def columns_and_the_scene_have_to_agree(folder):
             ("x y z r material\n0 0 0 1 iron\n", {}, r"particles.txt:2:9: expected the name of a material of the scene, found 'iron'"),
             ("0 0 0 1\n", {}, r"specimen: expected specimen.material, or a column material in particles.txt, found neither and 2 materials"),
             ("x y z r id type\n0 0 0 1 7 1\n", chosen, r"set 'one': select.ids: expected ids 0, 1, 2, ... in particles.txt, found others"),
-            ("x[mm] y[mm] z[mm] r[mm] type\n0 0 0 1 1\n", {"specimen": {"file": "particles.txt", "scale": 2}}, r":1:3: expected units either"),
+            ("x[mm] y[mm] z[mm] r[mm] type\n0 0 0 1 1\n", {"specimen": {"file": "particles.txt", "scale": 2}}, r":1:3: expected units of lengths either"),
             ("x[stone] y z r type\n0 0 0 1 1\n", {}, r"particles.txt:1:3: expected a unit such as m, found 'stone'"),
             (dump(), {}, r"particles.txt:1:1: expected rows x y z r or named columns, found a dump of LAMMPS or LIGGGHTS: gneiss convert ")):
         expect(gneiss("check", scene(folder, content, **changes)), 2, message)

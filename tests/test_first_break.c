@@ -481,7 +481,7 @@ static void bad_fractions_are_refused(void **state) {
     refuse_row("", pulled, "time: {start: first_break, start_fraction: 1, end: 1}\n",
                "time.start_fraction");
     refuse_row("", pulled, "time: {start_fraction: 0.5, end: 1}\n",
-               "expected time.start: first_break beside it, found rest");
+               "needs time.start: first_break; found rest");
     refuse_row("", pulled, "time: {start: break, end: 1}\n", "time.start");
 }
 

@@ -619,18 +619,16 @@ static void typing_errors_are_refused_at_their_place(void **state) {
     refuses("rate: 100", "rate: 1\n    start: 1 ms",
             "expected a specimen, or a source with start 0, found neither");
     refuses("time:", "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\ntime:",
-            "s.yaml:11:7: sets: expected a specimen beside it, whose particles sets select, found");
+            "s.yaml:11:7: sets: needs a specimen, whose particles sets select; found");
     refuses("rate: 100", "rate: 1\n    material: x",
             "sources[0].material: expected the name of a material, found 'x'");
-    refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: sieve: expected a sieve");
+    refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: needs a key sieve");
     refuses("rate: 100",
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 2",
-            "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
-            "found sieve");
+            "s.yaml:10:17: sources[0].size_ratio: needs sizes: uniform or normal; found sieve");
     refuses("rate: 100", /* the key is refused also if the value is the default */
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 1",
-            "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
-            "found sieve");
+            "s.yaml:10:17: sources[0].size_ratio: needs sizes: uniform or normal; found sieve");
     refuses("rate: 100", "rate: 1\n    total: 1e9", NULL);
     refuses("rate: 100", "rate: 1\n    total: 2e9",
             "s.yaml:8:12: sources[0].total: expected a whole number in [1, 1e9] or 'none', found "

@@ -730,7 +730,8 @@ static void keys_that_exclude_hertz_are_refused(void **state) {
             "s.yaml:7:88: walls[0].rolling_friction: expected none beside a material");
     refuses("law:", "contacts: [{between: [m, s], kratio: 2}]\nlaw:",
             "s.yaml:6:38: contacts[0].kratio: expected a value that this law.stiffness");
-    refuses("stiffness: hertz}", "stiffness: uniform, pull: false}", "law.pull: expected");
+    refuses("stiffness: hertz}", "stiffness: uniform, pull: false}",
+            "law.pull: needs law.stiffness hertz");
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
@@ -775,8 +776,8 @@ static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
         if (status == GNEISS_OK) gn_scene_free(&read);
         assert_int_equal(status, spring ? GNEISS_OK : GNEISS_ERROR_INPUT);
         snprintf(wanted, sizeof wanted,
-                 "s.yaml:4:%d: materials[0].%s: expected kratio above 0 beside it, which its "
-                 "stiffness follows from, found 0",
+                 "s.yaml:4:%d: materials[0].%s: needs kratio above 0, which its stiffness follows "
+                 "from; found 0",
                  61 + (int)strlen(key[k % 2]) + 2, key[k % 2]);
         if (!spring && strncmp(error.message, wanted, strlen(wanted)) != 0)
             fail_msg("%s\nexpected %s", error.message, wanted);

@@ -1,9 +1,12 @@
 /* The contact kernels: every variant of every instruction set against the scalar one, and the
  * scalar one against an independent computation in plain doubles. */
+#include "kernels/law_scalar.h"
 #include "neigh/neigh.h"
 #include "partials_help.h"
 #include "soa/single.h"
 #include "world_helpers.h"
+
+#include "kernels/cohesion.h"
 
 #include <float.h>
 
@@ -127,6 +130,19 @@ static void set_hertz(gn_contacts *k, size_t c, double kn, double sum, uint64_t 
     k->most[c] = uniform(at, 0.5e-3, 4e-3) * sum;
 }
 
+/* Attractive contacts: some adhere already, and some of these are pulled beyond the end of their
+ * neck or bridge; with liquid some are dry, and some bridges have just formed. */
+static void set_attraction(bench *b, size_t c, double scale, uint64_t *at) {
+    gn_contacts *k = &b->k;
+    double sum = b->p.pos[4 * k->i[c] + 3] + b->p.pos[4 * k->j[c] + 3];
+    bool wet = b->args.cohesion == GN_COHESION_LIQUID;
+    k->adhesion[c] = scale * uniform(at, 0.05, 0.5);
+    k->span[c] = wet ? -0.5 * sum : uniform(at, 0.2e-3, 0.8e-3) * sum;
+    if (b->args.cohesion == GN_COHESION_DMT) k->span[c] = 0.0;
+    k->bridge[c] = c % 3 == 0 ? 0.0 : wet ? pow(uniform(at, 0.2e-3, 1.5e-3) * sum, 3.0) : 1.0;
+    k->onset[c] = !wet ? 0.0 : c % 3 == 0 && c % 2 == 0 ? GN_BRIDGE_DRY : c % 7 == 0 ? 0.8 : 0.0;
+}
+
 /* Contacts that resist rolling, some at their limit. */
 static void set_roll(bench *b, size_t c, double scale, uint64_t *at) {
     gn_contacts *k = &b->k;
@@ -175,6 +191,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->mu1) k->mu1[c] = uniform(at, 0.0, 1.2);
     if (k->soft) set_softening(k, c, scale, at);
     if (k->most) set_hertz(k, c, kn, ri + rj, at);
+    if (k->adhesion) set_attraction(b, c, scale, at);
     if (k->reduced) set_roll(b, c, scale, at);
     if (k->plane) set_joint(b, c, scale, at);
     if (!k->kt || c % 5 == 4) return;
@@ -213,6 +230,9 @@ static bench make_bench(gn_effects effects, uint64_t seed) {
                                .dt = 1e-6,
                                .arm_factor = 0.5,
                                .time = 0.25,
+                               .cohesion = effects & GN_FX_COHESION ? (int)(1 + seed / 1000 % 3)
+                                                                    : GN_COHESION_NONE,
+                               .rupture = 1.3,
                                .measure = true};
     if (effects & GN_FX_PERIODIC)
         for (int a = 0; a < 3; a++) {
@@ -289,14 +309,14 @@ static void assert_same_contacts(const gn_contacts *a, const gn_contacts *b, con
 /* --- the formulas again --- */
 
 typedef struct expected {
-    double force[3], moment[3], shear[3], couple[3], fd, tolerance, couple_tolerance, pressed;
+    double force[3], moment[3], shear[3], couple[3], fd, tolerance, couple_tolerance, pressed, root;
     int cause;
     bool open, slipping;
 } expected;
 
 typedef struct tally {
     double elastic_normal, elastic_shear, elastic_bending, friction, damping, breaking, rolling,
-        scale;
+        cohesion, scale;
 } tally;
 
 /* Turns t by the angle between a and b, about a x b (Rodrigues). */
@@ -463,19 +483,103 @@ static double hertz_viscous(const gn_contacts *k, size_t c, const motion *m, dou
     return pulls ? coefficient * m->vn : fmin(coefficient * m->vn, -normal);
 }
 
+/* An independent computation of attraction; in `fn` and `stored` those of Hertz's spring. */
+typedef struct pulled {
+    bool grips;
+    double fn, root, beside, stored, lost, steep; /* steep: N/m, for the tolerance */
+} pulled;
+
+/* Returns the part of the step's path beyond a jump, 0 to 1; without a path the force acts for the
+ * whole step. */
+static double beyond_jump(double path, double beyond) {
+    return path != 0.0 ? fmin(fmax(beyond / fabs(path), 0.0), 1.0) : 0.5;
+}
+
+/* Returns the change of a share of A per length. */
+static double steep_jump(double A, double path) {
+    return path != 0.0 ? A / fabs(path) : 0.0;
+}
+
+static pulled expect_adhesion(const bench *b, size_t c, const motion *m, double u, pulled p) {
+    const double A = b->k.adhesion[c], span = b->k.span[c], gap = m->stretch;
+    const bool jkr = b->args.cohesion == GN_COHESION_JKR, before = b->k.bridge[c] > 0.0;
+    p.grips = u > 0.0 || (before && gap < span);
+    if (!p.grips) {
+        p.root = 0.0;
+        p.fn = before ? (jkr ? 5.0 / 9.0 : 1.0) * A * (0.5 - beyond_jump(m->path, gap - span)) : 0;
+        p.lost = before ? 4.0 / 45.0 * A * span : 0.0;
+        p.steep = before ? steep_jump(A, m->path) : 0.0;
+        p.stored = 0.0;
+        return p;
+    }
+    p.beside = jkr ? 2.0 * A : A;
+    p.steep = before ? 0.0 : steep_jump(A, m->path);
+    if (jkr) { /* the root of s^4 - 4 s - q by Ferrari and Cardano */
+        double q = -3.0 * gap / span, w = 4.0 * q / 3.0;
+        double y = cbrt(8.0 + sqrt(fmax(64.0 + w * w * w, 0.0))), z = y - w / y;
+        double s = 0.5 * (sqrt(z) + sqrt(fmax(8.0 / sqrt(z) - z, 0.0)));
+        for (int n = 0; n < 3 && s > 1.0 + 1e-4; n++)
+            s -= (pow(s, 4.0) - 4.0 * s - q) / (4.0 * s * s * s - 4.0);
+        p.fn = -A * (pow(s, 6.0) - 6.0 * s * s * s) / 9.0;
+        p.stored = A * span / 36.0 *
+                   (8.0 / 15.0 * pow(s, 10.0) - 16.0 / 3.0 * pow(s, 7.0) + 8.0 * pow(s, 4.0));
+        p.root = s * s * sqrt(span / 3.0);
+        /* Near the separation the force changes with the root of the stretch. */
+        p.steep += A / span * (2.0 + 3.0 / fmax(s - 1.0, 1e-6)) * (1.0 + s * s);
+    } else {
+        p.fn += A;
+        p.stored -= A * u;
+    }
+    if (before) return p;
+    p.fn += (jkr ? 8.0 / 9.0 : 1.0) * A * (beyond_jump(m->path, u) - 0.5);
+    p.lost = jkr ? 8.0 / 15.0 * cbrt(4.0) * A * span : 0.0;
+    return p;
+}
+
+static pulled expect_bridge(const bench *b, size_t c, const motion *m, double u, pulled p) {
+    const double A = b->k.adhesion[c], V = b->k.bridge[c], sphere = fabs(b->k.span[c]);
+    const double gap = fmax(m->stretch, 0.0), far = cbrt(1.3 * V), x = 0.5 * gap / sqrt(V / sphere);
+    const double end = 0.5 * far / sqrt(V / sphere);
+    if (!(V > 0.0)) return p;
+    if (gap > far) {
+        p.fn += A / (1.0 + 2.1 * end + 10.0 * end * end) *
+                (m->path > 0.0 ? 0.5 - beyond_jump(m->path, gap - far) : 0.0);
+        p.steep = steep_jump(A, m->path);
+        return p;
+    }
+    p.beside = A / (1.0 + 2.1 * x + 10.0 * x * x);
+    p.fn += (1.0 + b->k.onset[c]) * p.beside;
+    p.steep = 4.0 * A / sqrt(V / sphere);
+    double sum = 0.0; /* the work to the rupture, by Simpson's rule */
+    for (int n = 0; n <= 400; n++) {
+        double at = x + (end - x) * n / 400.0;
+        sum += (n == 0 || n == 400 ? 1.0 : n % 2 ? 4.0 : 2.0) / (1.0 + 2.1 * at + 10.0 * at * at);
+    }
+    p.stored -= A * (u + 2.0 * sqrt(V / sphere) * sum * (end - x) / 1200.0);
+    return p;
+}
+
 /* An independent computation of Hertz-Mindlin contacts; `of`: m, rounding of the overlap. */
 static expected expect_hertz(const bench *b, size_t c, const motion *m, double of, tally *sum) {
     const gn_contacts *k = &b->k;
     expected e = {0};
-    double u = fmax(0.0, -m->stretch), root = sqrt(u), dt = b->args.dt;
+    double u = fmax(0.0, -m->stretch), dt = b->args.dt;
     double fn = -2.0 / 3.0 * k->kn[c] * pow(u, 1.5), kt = k->kt ? k->kt[c] : 0.0;
     double viscous = k->cn ? hertz_viscous(k, c, m, fn) : 0.0, t[3] = {0}, size = 0.0, limit = 0.0;
+    pulled p = {.grips = u > 0.0, .fn = fn, .root = sqrt(u), .stored = -0.4 * fn * u};
+    if (b->args.cohesion == GN_COHESION_LIQUID)
+        p = expect_bridge(b, c, m, u, p);
+    else if (k->adhesion)
+        p = expect_adhesion(b, c, m, u, p);
+    double root = p.root;
+    fn = p.fn;
     double past = k->closeness ? k->closeness[c] : 0.0, shrunk = fmin(1.0, root * past);
     double held = 0.0, now = 0.0, work = 0.0;
     for (int a = 0; k->shear && a < 3; a++)
         t[a] = shrunk * m->before[a] + kt * root * dt * m->vt[a];
     size = sqrt(dot3(t, t));
-    if (k->mu) limit = u > 0.0 ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
+    e.pressed = p.grips ? fmax(0.0, p.beside - (fn + viscous)) : 0.0;
+    if (k->mu) limit = k->mu[c] * e.pressed;
     e.slipping = size > limit;
     for (int a = 0; a < 3; a++) {
         if (e.slipping) t[a] *= limit / size;
@@ -484,20 +588,22 @@ static expected expect_hertz(const bench *b, size_t c, const motion *m, double o
         work += 0.5 * (m->before[a] + t[a]) * dt * m->vt[a];
     }
     if (kt > 0.0) held = 0.5 * dot3(m->before, m->before) * past / kt;
-    if (kt > 0.0 && u > 0.0) now = 0.5 * dot3(t, t) / (kt * root);
-    e.open = !(u > 0.0);
+    if (kt > 0.0 && p.grips) now = 0.5 * dot3(t, t) / (kt * root);
+    e.root = root;
+    e.open = !p.grips;
     e.fd = viscous;
-    e.pressed = u > 0.0 ? fmax(0.0, -(fn + viscous)) : 0.0;
     if (k->shear && k->soa.effects & GN_FX_ROTATION) cross3(m->n, t, e.moment);
     e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + k->kn[c] * sqrt(u + of) * of;
+    e.tolerance += p.steep * of;
     if (k->cn)
         e.tolerance += fabs(m->vn) * (pot(k, c, u + of) - pot(k, c, u)) +
                        3.0 * fabs(viscous) * of / fmax(fabs(m->path), of);
     sum->friction += held + work - now;
-    sum->elastic_normal += -0.4 * fn * u;
+    sum->elastic_normal += p.stored;
+    sum->cohesion += p.lost;
     sum->elastic_shear += now;
     if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * m->path;
-    sum->scale += fabs(fn) * u + held + now + fabs(work) +
+    sum->scale += fabs(fn) * u + fabs(p.stored) + held + now + fabs(work) +
                   (fabs(viscous) + (k->fd ? fabs(k->fd[c]) : 0.0)) * fabs(m->vn) * dt;
     return e;
 }
@@ -623,12 +729,11 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         memcpy(q.before, before, sizeof before);
         double most = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
         e = expect_hertz(b, c, &q, 8.0 * DBL_EPSILON * fmax(0.05, most), sum);
-        double stiffness = kt * sqrt(fmax(0.0, -u));
+        double stiffness = kt * e.root;
         if (length > 0.05 * (ri + rj))
             e.tolerance += 0.125 * side2 / (length * length) * stiffness * dt * sqrt(dot3(vt, vt));
         e.tolerance += fabs(pow(dt * twist, 3.0)) / 6.0 * sqrt(dot3(before, before));
-        if (k->roll)
-            expect_roll(b, c, n_old, middle, n, twist, e.pressed, sqrt(fmax(0.0, -u)), &e, sum);
+        if (k->roll) expect_roll(b, c, n_old, middle, n, twist, e.pressed, e.root, &e, sum);
         e.couple_tolerance += roll_slack(b, c, side2, length, twist, vn, &e);
         return e;
     }
@@ -775,6 +880,7 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
             assert_near(got.contact_damping, sum.damping, allowed);
             assert_near(got.bond_breaking, sum.breaking, allowed);
             assert_near(got.rolling, sum.rolling, allowed);
+            assert_near(got.cohesion, sum.cohesion, allowed);
         }
         free(e);
         free_bench(&b);
@@ -969,7 +1075,8 @@ static void mixed_forces_follow_the_double_ones(void **state) {
     size_t other_side = 0, contacts = 0;
     for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
         gn_effects fx = gn_contact_variant_effects(v);
-        if (!gn_contact_table_scalar[v] || fx & GN_FX_JOINTS) continue;
+        if (!gn_contact_table_scalar[v] || fx & (GN_FX_COHESION | GN_FX_JOINTS))
+            continue; /* never mixed */
         double softens = fx & GN_FX_SOFTENING ? 2.0 : 1.0;
         bench a = make_bench(fx, 1000 * v), b = make_pressure(v);
         run(&a, gn_contact_table_scalar[v]);

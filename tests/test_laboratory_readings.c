@@ -571,7 +571,7 @@ static void descriptors_of_kinds_do_not_contradict_themselves(void **state) {
         const gn_test_descriptor *d = gn_test_kinds[k];
         const bool along = d->prism || d->disc || d->beam || d->sheared;
         assert_true(d->shape && d->area_source && (d->sign == 1 || d->sign == -1));
-        assert_int_equal(d->ends + d->isotropic + d->tool, 1);
+        assert_int_equal(d->ends + d->isotropic + d->enclosed + d->tool, 1);
         assert_true(d->ends == along);
         assert_int_equal(d->needs & ~d->takes, 0);
         assert_true((d->sheared || d->tool) == (d->takes & GN_TAKES(normal) && true));

@@ -51,9 +51,13 @@ def an_error_has_place_key_expected_and_found(folder):
     with open(LATTICE, encoding="utf-8") as file:
         text = file.read()
     for wrong, want in ((text.replace("density: ", "density: -"), {"key": "materials[0].density", "expected": "a value in [1e-9, 1e15] kg/m3"}),
-                        (text.replace("density", "densety"), {"key": "materials[0].densety", "found": "densety", "expected": "density"})):
+                        (text.replace("density", "densety"), {"key": "materials[0].densety", "found": "densety", "expected": "density"}),
+                        (text.replace("density: ", "pb_emod: 1\n    density: "),
+                         {"key": "materials[0].pb_emod", "found": "pb_emod", "expected": "materials[].contact_modulus"}),
+                        (text.replace("specimen:\n", "specimen:\n  porosity: 0.3\n"),
+                         {"key": "specimen.porosity", "found": "particle", "expected": "density_basis bulk"})):
         path = write_scene(folder, wrong)
-        number = next(k for k, line in enumerate(wrong.splitlines(), 1) if "dens" in line)
+        number = next(k for k, line in enumerate(wrong.splitlines(), 1) if want["key"].split(".")[-1] in line)
         error = errors_of("check", path)[0]
         assert error["file"] == path and error["line"] == number and error["column"] > 1, error
         assert {**error, **want} == error, (error, want)

@@ -130,7 +130,7 @@ def confinements_of_a_test_go_to_the_stage_that_confines(folder):
     assert np.isclose(history(out)["membrane_pressure"][-1], 3e5)
     given["membrane"] = {"pressure": "0.05 MPa"}
     expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, "two")), 2,
-           r"scene.yaml:\d+:\d+: test.confinement: expected a single membrane pressure")
+           r"scene.yaml:\d+:\d+: test.confinement: expected one membrane pressure")
 
 
 @fact

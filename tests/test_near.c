@@ -32,6 +32,10 @@ static const near_case cases[] = {
     {"Hertz, rolling, no pull",
      SPHERES MATERIAL ", restitution: 0.6, rolling_friction: 0.2, twisting_friction: 0.1}]\n"
                       "law: {stiffness: hertz, pull: false}\n" END},
+    {"JKR", SPHERES MATERIAL ", adhesion: 0.05, restitution: 0.9}]\n"
+                             "law: {stiffness: hertz, cohesion: jkr}\n" END},
+    {"liquid", SPHERES MATERIAL ", restitution: 0.9}]\nlaw: {stiffness: hertz, cohesion: liquid, "
+                                "surface_tension: 1e-3, liquid_content: 1e-3}\n" END},
     {"by the radii",
      SPHERES "materials: [{name: m, density: 2500, contact_modulus: 1e8, kratio: 2, "
              "friction: 0.4}]\nlaw: {stiffness: harmonic}\n" BOUNCES END},
@@ -68,6 +72,9 @@ static void assert_same_worlds(const char *name, const gn_world *a, const gn_wor
         assert_same(name, "moment", d->pairs.contacts.roll + k * room,
                     e->pairs.contacts.roll + k * room, c);
     assert_same(name, "dashpot", d->pairs.contacts.fd, e->pairs.contacts.fd, c);
+    assert_same(name, "bridge", d->pairs.contacts.bridge, e->pairs.contacts.bridge, c);
+    assert_same(name, "onset", d->pairs.contacts.onset, e->pairs.contacts.onset, c);
+    assert_same(name, "film", d->particles.film, e->particles.film, n);
     assert_same(name, "closeness", d->pairs.contacts.closeness, e->pairs.contacts.closeness, c);
 }
 

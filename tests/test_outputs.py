@@ -200,7 +200,7 @@ def contacts_are_refused_where_there_are_no_particles(folder):
     with open(os.path.join(SCENES, "elements.yaml")) as file:
         scene = file.read()
     path = write_scene(folder, scene)
-    expect(gneiss("check", path, *ALL), 2, r"output\.contacts: expected a specimen beside it")
+    expect(gneiss("check", path, *ALL), 2, r"output\.contacts: needs a specimen")
 
 
 # --- bursts --------------------------------------------------------------------------------------------

@@ -294,6 +294,18 @@ def a_second_packing_comes_from_the_cache_with_the_same_bits(folder):
 
 
 @fact
+def what_is_split_of_a_mesh_is_said_of_a_packing_from_the_cache_too(folder):
+    corners = [(x, y, z) for z in (0, 0.02) for x, y in ((0, 0), (0.02, 0), (0.02, 0.02), (0, 0.02))]
+    nodes = "\n".join(f"{k + 1} {x} {y} {z}" for k, (x, y, z) in enumerate(corners))
+    with open(os.path.join(folder, "cube.msh"), "w", encoding="utf-8") as file:
+        file.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n{nodes}\n$EndNodes\n$Elements\n1\n1 5 2 0 1 1 2 3 4 5 6 7 8\n$EndElements\n")
+    scene = scene_of_specimen(folder, "mesh: cube.msh\n  particles: 40")
+    for out, source in (("one", "packed in"), ("two", "from the cache")):
+        _, done = pack(folder, scene, out=out)
+        assert source in done.stdout and "note: specimen: 1 hexahedra split into tetrahedra" in done.stderr, (done.stdout, done.stderr)
+
+
+@fact
 def a_damaged_cache_file_is_warned_of_and_replaced(folder):
     body = request(folder)
     one, _ = pack(folder, body)
@@ -744,8 +756,8 @@ def a_sieve_curve_comes_out_by_mass(folder):
 
 @fact
 def sieve_curves_that_are_none_are_refused(folder):
-    for packing, pattern in (({"sizes": "sieve"}, "specimen.packing.sizes: sieve: expected a sieve beside it, found none"),
-                             ({"sieve": [[0.1, 0], [1, 1]]}, "specimen.packing.sieve: expected sizes: sieve beside it"),
+    for packing, pattern in (({"sizes": "sieve"}, "specimen.packing.sizes: needs a key sieve with sizes and shares; found none"),
+                             ({"sieve": [[0.1, 0], [1, 1]]}, "specimen.packing.sieve: needs sizes: sieve"),
                              ({"sizes": "sieve", "sieve": [[0.5, 0], [0.4, 1]]}, "specimen.packing.sieve: expected increasing sizes"),
                              ({"sizes": "sieve", "sieve": [[0.5, 0.1], [1, 1]]}, r"specimen.packing.sieve: expected a first row \[size, 0\]"),
                              ({"sizes": "even"}, "specimen.packing.sizes: expected one of fitted, uniform, normal, sieve")):
@@ -758,7 +770,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
     for packing in ({"sizes": "uniform"}, {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}):
         scene = {"dimension": 2, "specimen": {"disc": {"diameter": 1}, "particles": 20, "packing": {**packing, "size_variation": 0.3}}}
         expect(gneiss("pack", write_scene(folder, scene), "--out", os.path.join(folder, "out")), 2,
-               r"scene.yaml:\d+:\d+: specimen.packing.size_variation: expected sizes: fitted or normal beside it, found " + packing["sizes"])
+               r"scene.yaml:\d+:\d+: specimen.packing.size_variation: needs sizes: fitted or normal; found " + packing["sizes"])
 
 
 @fact

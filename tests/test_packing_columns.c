@@ -136,6 +136,19 @@ static void rows_are_sorted_by_id(void **state) {
     gn_packing_free(&p);
 }
 
+/* A scale is for lengths: velocities beside it have units of their own. */
+static void a_scale_goes_with_units_of_velocities(void **state) {
+    gn_packing p;
+    gneiss_error error = {0};
+    const char text[] = "x y z r vx[mm/s] density[g/cm3]\n1 2 3 4 5 6\n";
+    assert_int_equal(read_text(*state, text, strlen(text), 3, 0.001, &p, &error), GNEISS_OK);
+    assert_true(fabs(p.sphere[0] - 0.001) < 1e-18 && fabs(p.sphere[3] - 0.004) < 1e-18);
+    assert_true(fabs(p.columns.motion[0] - 0.005) < 1e-18);
+    assert_true(fabs(p.columns.density[0] - 6000.0) < 1e-9);
+    assert_false(p.columns.states_units); /* of lengths */
+    gn_packing_free(&p);
+}
+
 static void two_dimensions_stay_in_their_plane(void **state) {
     gn_packing p = read_good(*state, "r x y vx vy wz\n1 2 3 4 5 6\n", 2);
     const double motion[6] = {4, 5, 0, 0, 0, 6};
@@ -163,7 +176,8 @@ static void wrong_columns_are_refused_at_line_and_column(void **state) {
         {3, 1, "x[kg] y z r\n1 2 3 4", "a.txt:1:3: expected a unit such as m, found 'kg': unknown"},
         {3, 1, "x[mm y z r\n1 2 3 4", "a.txt:1:2: expected a unit in brackets, found no closing"},
         {3, 1, "x y z r id[mm]\n1 2 3 4 5", "a.txt:1:12: expected no unit of id, found 'mm'"},
-        {3, 2, "x[mm] y z r\n1 2 3 4", "either in the header or by specimen.scale, found 'mm'"},
+        {3, 2, "x[mm] y z r\n1 2 3 4",
+         "units of lengths either in the header or by specimen.scale, found 'mm'"},
         {3, 2, "x y z r vx\n1 2 3 4 5", "a.txt:1:9: expected a unit, such as vx[m/s], beside"},
         {3, 1, "x y z r\n1 2 3", "a.txt:2:6: expected 4 columns as in the header, found fewer"},
         {3, 1, "x y z r\n1 2 3 4 5", "a.txt:2:9: expected 4 columns as in the header, found more"},
@@ -264,6 +278,7 @@ int main(void) {
         WITH(comments_and_yade_name_columns),
         WITH(rows_are_sorted_by_id),
         WITH(two_dimensions_stay_in_their_plane),
+        WITH(a_scale_goes_with_units_of_velocities),
         WITH(wrong_columns_are_refused_at_line_and_column),
         WITH(damaged_files_are_sound_or_refused),
     };

@@ -212,8 +212,8 @@ def a_beam_of_elements_gets_finer_cells_for_a_smaller_error(folder):
 def options_of_the_plan_are_refused_elsewhere_and_without_an_error(folder):
     scene = rock(folder)
     expect(gneiss("check", scene, "--error", "5%"), 2, "gneiss check: --error is for gneiss plan and gneiss run")
-    expect(gneiss("run", scene, "--reading", "stiffness"), 2, "gneiss run: --reading: expected --error beside it")
-    expect(gneiss("plan", scene, "--write", "x"), 2, "--write: expected --error beside it")
+    expect(gneiss("run", scene, "--reading", "stiffness"), 2, "gneiss run: --reading: needs --error")
+    expect(gneiss("plan", scene, "--write", "x"), 2, "--write: needs --error")
     expect(gneiss("plan", scene, "--error", "5%", "--reading", "colour"), 2, "expected strength or stiffness, found 'colour'")
     expect(gneiss("plan", scene, "--error", "5%", "--particles", "7"), 2, "--particles: expected any")
 

@@ -368,6 +368,22 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
     assert abs(15 * found[15e-3] / (20 * found[20e-3]) - 1) < 1e-3, found
 
 
+@fact
+def the_strength_of_a_round_stone_is_said_to_be_that_of_the_body(folder):
+    """Its stress is the force over the mean section, and no modulus follows from it; a strip has no such warning."""
+    size, scene = 20e-3, packed("compression")
+    walls = [{"name": end, "point": [0, at], "normal": [0, sign], "stiffness": "1 GN/m", "motion": {"vy": 0.1 * sign}} for end, at, sign in (("bottom", 0, 1), ("top", size, -1))]
+    scene.update(dimension=2, walls=walls, test={"kind": "compression", "axis": "y", "lower": "bottom", "upper": "top"}, time={"end": 2e-4})
+    for specimen, warned in (({"disc": {"diameter": size}, "origin": [0, size / 2]}, True), ({"polygon": mirrored([(0, size / 4), (size, size / 4)])}, False)):
+        scene["specimen"] = {**specimen, "particles": 200, "packing": {"size_ratio": 2, "overlap": "passive"}}
+        out, _ = run_scene(folder, scene, "--quiet", "--force")
+        assert summary(out)["readings"]["largest_stress"] > 0
+        said = warnings(out).get("uneven_section", "")
+        assert bool(re.search(r"stresses and strengths are forces over [\d.e-]+ m2, and the narrowest section across y has .* those of this body", said)) == warned, said
+        reported = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        assert bool(re.search(r"section .* at the narrowest section: (no modulus|moduli).* stresses over", reported)) == warned, reported
+
+
 @plain_fact
 def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
     """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. The specimen is compared with a strip

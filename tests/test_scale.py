@@ -94,6 +94,24 @@ def a_given_scale_of_one_needs_no_warning(folder):
 
 
 @fact
+def errors_that_may_follow_from_millimetres_name_the_size(folder):
+    """Ends, sets and radii in metres do not fit a body whose millimetres are read as metres."""
+    test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
+    said = r"specimen\.surface is 100 m long without a scale: with scale: 0\.001 its lengths are millimetres"
+    walls = [{"name": name, "point": [0, 0, z], "normal": [0, 0, n], "stiffness": 1e8, "motion": {"vz": v}}
+             for name, z, n, v in (("lower", 0, 1, 0), ("upper", 0.1, -1, -0.05))]
+    for scene in (core(folder, depth=0.01), core(folder, test=test, sets=[], walls=walls)):
+        expect(gneiss("check", write_scene(folder, scene), environment={"GNEISS_CACHE": "off"}), 2, said)
+        scene["specimen"]["scale"] = 0.001
+        assert "without a scale" not in check(folder, scene).stdout
+    scene = core(folder, depth=0.01)
+    scene["specimen"] = {"surface": "core.stl", "mean_radius": 5e-3}
+    expect(gneiss("check", write_scene(folder, scene)), 4, r"need about \S+ GB.* \(without a scale the lengths of the file count as metres; scale: 0\.001 if")
+    scene["specimen"]["scale"] = 0.001
+    check(folder, scene)
+
+
+@fact
 def sizes_of_packings_and_of_particles_of_files_are_warned_of(folder):
     done = check(folder, core(folder), "pack", "--out", os.path.join(folder, "p"))
     assert re.search(r"note: specimen\.surface: [\d.]+ m long with lengths of the file taken as metres", done.stdout), done.stdout

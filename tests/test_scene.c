@@ -229,17 +229,17 @@ static void a_short_ton_is_noted_and_a_tonne_is_not(void **state) {
 
 static void friction_without_a_tangential_spring_is_refused(void **state) {
     (void)state;
-    static const char spring[] = "expected kratio above 0 beside it, found 0: without a tangential "
-                                 "spring contacts have no friction";
+    static const char spring[] =
+        "needs kratio above 0; found 0: without a tangential spring contacts have no friction";
     char message[256];
     snprintf(message, sizeof message, "s.yaml:9:15: materials[0].friction: %s", spring);
     refuses(variant("kratio: 2", "kratio: 0"), message);
     snprintf(message, sizeof message, "s.yaml:20:49: contacts[0].friction: %s", spring);
     refuses(with("contacts: [{between: rock, kratio: 0, friction: 0.2}]\n"), message);
-    refuses(with("contacts: [{between: rock, kratio: 0}]\n"),
-            "s.yaml:20:36: contacts[0].kratio: expected a value above 0, or friction: 0 beside it, "
-            "found 0 and a friction of 0.5 by the materials: without a tangential spring contacts "
-            "have no friction");
+    refuses(
+        with("contacts: [{between: rock, kratio: 0}]\n"),
+        "s.yaml:20:36: contacts[0].kratio: expected a value above 0, or friction: 0, found 0 and a "
+        "friction of 0.5 by the materials: without a tangential spring contacts have no friction");
     gn_scene smooth = parsed(with("contacts: [{between: rock, kratio: 0, friction: 0}]\n"));
     gn_scene_free(&smooth);
     /* Friction of a stage needs a spring in that stage. */
@@ -538,7 +538,7 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
          "s.yaml:3:13: specimen.material: expected the name of a material, found 'rok'; did you "
          "mean 'rock'?"},
         {"specimen:\n", "specimen:\n  porosity: 0.3\n",
-         "s.yaml:3:13: specimen.porosity: expected density_basis bulk beside it, found particle"},
+         "s.yaml:3:13: specimen.porosity: needs density_basis bulk; found particle"},
         {"uniform", "harmonic",
          "s.yaml:5:5: materials[0].contact_modulus: required by this law.stiffness, but not given"},
         {"    normal_stiffness: 1 MN/m\n", "",
@@ -598,7 +598,8 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
          "s.yaml:20:53: test.upper: expected another end than lower, found 'floor'"},
         {"test: {kind: none, axis: z, lower: floor, upper: floor}",
          "s.yaml:20:14: test.kind: expected one of compression, tension, brazilian, bending, "
-         "triaxial, biaxial, hydrostatic, oedometer, shear, simple_shear, cutting, found 'none'"},
+         "triaxial, biaxial, hydrostatic, polyaxial, oedometer, shear, simple_shear, cutting, "
+         "found 'none'"},
     };
     for (size_t k = 0; k < sizeof additions / sizeof *additions; k++)
         refuses(with(additions[k][0]), additions[k][1]);

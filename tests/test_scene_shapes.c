@@ -227,9 +227,9 @@ static void a_number_of_particles_needs_a_shape(void **state) {
     refused(3, "  particles: 9",
             "s.yaml:2:1: specimen: expected one of file, a list of particles, lattice, box, "
             "cylinder, surface, mesh, found a number of particles only");
-    refused(3, "  file: test.h\n  particles: 9",
-            "s.yaml:4:14: specimen.particles: expected one of box, cylinder, surface, mesh beside "
-            "it, found file");
+    refused(
+        3, "  file: test.h\n  particles: 9",
+        "s.yaml:4:14: specimen.particles: needs one of box, cylinder, surface, mesh; found file");
 }
 
 static void a_number_of_particles_has_limits(void **state) {
@@ -280,20 +280,16 @@ static void only_a_mesh_has_nodes(void **state) {
 static void shapes_with_coordinates_refuse_an_origin(void **state) {
     (void)state;
     refused(2, "  polygon: [[0, 0], [1, 0], [0, 1]]\n  particles: 9\n  origin: [0, 1]",
-            "s.yaml:5:11: specimen.origin: expected rectangle, disc, box or cylinder beside it, "
-            "found polygon");
+            "s.yaml:5:11: specimen.origin: needs rectangle, disc, box or cylinder; found polygon");
     refused(3, "  surface: test.h\n  particles: 9\n  origin: [0, 1, 0]",
-            "s.yaml:5:11: specimen.origin: expected rectangle, disc, box or cylinder beside it, "
-            "found surface");
+            "s.yaml:5:11: specimen.origin: needs rectangle, disc, box or cylinder; found surface");
     refused(3, "  mesh: test.h\n  particles: 9\n  origin: [0, 1, 0]",
-            "s.yaml:5:11: specimen.origin: expected rectangle, disc, box or cylinder beside it, "
-            "found mesh");
+            "s.yaml:5:11: specimen.origin: needs rectangle, disc, box or cylinder; found mesh");
 }
 
 static void keys_of_packing_are_refused_for_specimens_from_files(void **state) {
     (void)state;
-    static const char shapes[] = "expected one of box, cylinder, surface, mesh beside it, found "
-                                 "file";
+    static const char shapes[] = "needs one of box, cylinder, surface, mesh; found file";
     static const char *const cases[][2] = {
         {"origin: [0, 0, 1]", "s.yaml:4:11: specimen.origin: "},
         {"mean_radius: 1", "s.yaml:4:16: specimen.mean_radius: "},
@@ -327,8 +323,7 @@ static void a_polygon_of_bad_corners_is_refused(void **state) {
 static void an_overlap_size_needs_passive_overlaps(void **state) {
     (void)state;
     refused(2, "  disc: {diameter: 1}\n  particles: 9\n  packing: {overlap_size: 2 %}",
-            "s.yaml:5:27: specimen.packing.overlap_size: expected overlap passive beside it, found "
-            "none");
+            "s.yaml:5:27: specimen.packing.overlap_size: needs overlap passive; found none");
 }
 
 static void a_refinement_says_where_once(void **state) {
@@ -364,8 +359,8 @@ static void a_size_ratio_beside_a_sieve_is_refused(void **state) {
                  "  packing: {sizes: sieve, sieve: [[0.5, 0], [1, 1]], size_ratio: %d}",
                  ratio);
         refused(2, specimen,
-                "s.yaml:5:66: specimen.packing.size_ratio: expected sizes: fitted, uniform or "
-                "normal beside it, found sieve, whose first row has the smallest size");
+                "s.yaml:5:66: specimen.packing.size_ratio: needs sizes: fitted, uniform or normal; "
+                "found sieve, whose first row has the smallest size");
     }
 }
 

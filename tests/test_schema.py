@@ -224,6 +224,16 @@ def a_plane_scene_takes_vectors_of_two_components_and_no_shapes_of_space(_):
 
 
 @fact
+def formulas_of_t_stand_where_tables_do(folder):
+    """Components of some vectors take them too; a single number does not."""
+    for change, good in (({"gravity": [0, 0, "9.81*sin(2*pi*t)"]}, True), ({"gravity": [0, 0, [[0, 0], [1, -9.81]]]}, True),
+                         ({"gravity": [0, 0, "9.81*sin(2*pi*x)"]}, False), ({"time": {"end": "2*t"}}, False), ({"gravity": "t"}, False)):
+        scene = {**read(LATTICE), **change}
+        scene["time"].pop("stop", None)
+        assert bool(problems(scene)) != good and (verdict(folder, scene) is None) == good, (change, problems(scene), verdict(folder, scene))
+
+
+@fact
 def a_stage_may_change_what_check_lets_it_change(folder):
     for change, good in (({"walls": {"top": {"motion": {"vz": 0.1}}}}, True), ({"walls": [{"name": "top", "friction": 0.2}]}, True),
                          ({"walls": {"top": {"point": [0, 0, 1]}}}, False), ({"gravity": [0, 0, 0]}, True), ({"law": {"rotation": "off"}}, False),
@@ -295,6 +305,38 @@ def explain_takes_names_of_elements_and_ends_of_paths(_):
     assert "materials[].friction\n" in several and "walls[].friction\n" in several, several
     expect(gneiss("explain", "time.ende"), 2, "did you mean 'time.end'")
     expect(gneiss("schema", "mesh"), 2, "expected scene, pack, sweep or calibrate, found 'mesh'")
+
+
+# --- names of other programs -----------------------------------------------------------------------------
+
+with open(os.path.join(ROOT, "src/scene/foreign.c"), encoding="utf-8") as table:
+    FOREIGN = re.findall(r'^    (PFC|YADE|LAMMPS|LIGGGHTS|KRATOS)\("([^"]+)", "([^"]+)", "([^"]*)"\)', table.read(), re.M)
+PAGES = {"PFC": "tutorials/from-pfc.md", "YADE": "tutorials/from-yade.md"}
+
+
+@fact
+def names_of_other_programs_lead_to_a_key_and_are_on_their_page(_):
+    assert len(FOREIGN) > 60
+    for program, name, key, value in FOREIGN:
+        page = PAGES.get(program, "other-codes.md")
+        with open(os.path.join(ROOT, "docs", page), encoding="utf-8") as file:
+            assert re.search(rf"(?<!\w){re.escape(name.split()[-1])}(?!\w)", file.read()), (name, page)
+        found = expect(gneiss("keys", name), 0).stdout
+        said = f"{name} of {program.replace('KRATOS', 'Kratos')} is {key}{': ' * bool(value)}{value} (docs/{page})"
+        assert said in found and f"\n{key}\n" in found, (said, found[:300])
+
+
+@fact
+def names_of_other_programs_are_explained_and_named_in_errors(folder):
+    found = expect(gneiss("explain", "PB_EMOD"), 0).stdout
+    assert found.startswith("pb_emod of PFC is materials[].contact_modulus: pi/4 pb_emod (docs/tutorials/from-pfc.md)\n\nmaterials[].contact_modulus: "), found
+    assert "Kn of LAMMPS" in gneiss("keys", "kn").stdout and "kn of PFC" in gneiss("keys", "kn").stdout
+    assert "fix gravity of LAMMPS is gravity" in gneiss("keys", "fix", "gravity").stdout
+    scene = read(os.path.join(SCENES, "lattice-small.yaml"))
+    scene["materials"][0]["pb_emod"] = "10 GPa"
+    scene["damp"] = 0.7
+    done = expect(gneiss("check", write_scene(folder, scene)), 2, r"pb_emod: unknown key 'pb_emod'; pb_emod of PFC is materials\[\]\.contact_modulus: pi/4 pb_emod")
+    assert "damp: unknown key 'damp'; damp of PFC is damping.background.coefficient: damp, with model" in done.stderr, done.stderr
 
 
 sys.exit(main())

@@ -202,10 +202,110 @@ static void impossible_servos_are_refused(void **state) {
     (void)state;
     refused("max_velocity: 1", "s.yaml:6:72: walls[0].servo: expected force or stress, found none");
     refused("max_velocity: 1, force: 1, stress: 1", "expected force or stress, found both");
-    refused("max_velocity: 1, force: 1, area: 1", "servo.area: expected stress beside it");
+    refused("max_velocity: 1, force: 1, area: 1", "servo.area: needs stress");
     refused("max_velocity: 1, stress: 1 kPa",
             "walls[0].servo.area: required beside stress without two pairs of walls");
     refused("max_velocity: 1, stress: 1 N", "walls[0].servo.stress: expected a stress");
+}
+
+/* --- the mean stress --- */
+
+/* A cubic lattice whose side along z is shortened at a constant rate, while the walls across x and
+ * y hold the mean stress p. Along z a row of three grains has four springs k in series, so that its
+ * stress is known: s_z = k/4 u/d^2 with the approach u of the walls since contact. Each of the
+ * others then carries (3 p - s_z)/2. */
+static void walls_hold_the_mean_stress_while_one_side_is_driven(void **state) {
+    (void)state;
+    gn_world *w = box_of("- {name: x1, point: [8 mm, 0, 0], normal: [-1, 0, 0], stiffness: 1e5, "
+                         "servo: {stress: 20 kPa, stress_of: mean, max_velocity: 1}}\n"
+                         "- {name: y1, point: [0, 6 mm, 0], normal: [0, -1, 0], stiffness: 1e5, "
+                         "servo: {stress: 20 kPa, stress_of: mean, max_velocity: 1}}\n"
+                         "- {name: z1, point: [0, 0, 6 mm], normal: [0, 0, -1], stiffness: 1e5, "
+                         "motion: {vz: '-2e-4*min(t/0.005, 1)'}}\n");
+    double wrong = 0.0, most = 0.0;
+    while (w->ctx.time < 0.03) {
+        run_steps(w, 1);
+        if (w->ctx.time < 0.01) continue;
+        double side[3], stress[3], mean = 0.0;
+        for (int a = 0; a < 3; a++)
+            side[a] = w->boundary.walls[3 + a].point[a] - w->boundary.walls[a].point[a];
+        for (int a = 0; a < 3; a++) {
+            stress[a] = 0.5 * (w->boundary.walls[3 + a].force[a] - w->boundary.walls[a].force[a]) *
+                        side[a] / (side[0] * side[1] * side[2]);
+            mean += stress[a] / 3.0;
+        }
+        const double springs = 12.0 * 0.25 * 1e5 * (6e-3 - side[2]) / (side[0] * side[1]);
+        wrong = fmax(wrong, fabs(mean - 2e4));
+        most = fmax(most, fabs(stress[2] - springs) / springs);
+        for (int a = 0; a < 2; a++) assert_near(stress[a], 0.5 * (6e4 - stress[2]), 1e-2 * 2e4);
+    }
+    if (wrong > 5e-3 * 2e4) fail_msg("the mean stress was missed by %g Pa", wrong);
+    if (most > 1e-2) fail_msg("the driven side deviates from its springs by %g", most);
+    world_end(w);
+}
+
+/* Face-centred grains between six walls: axes are coupled. One, two or three axes hold the mean
+ * stress of 20 kPa, at the ends of the range of `relaxation`, `safety` and dashpots; axis z carries
+ * 24 kPa unless it belongs to them. (Stresses of 1 to 2 would unload contacts of the lattice.) */
+static void a_mean_stress_settles_at_any_relaxation(void **state) {
+    (void)state;
+    for (int k = 0; k < 12; k++) {
+        const double share = k % 2 ? 1.0 : 0.1, safety = k / 2 % 2 ? 0.99 : 0.5;
+        const int held = 1 + k / 4;
+        const char *const damping[] = {"", "contact: {restitution: 0.5}, "};
+        char servo[3][128];
+        for (int a = 0; a < 3; a++)
+            snprintf(servo[a], sizeof servo[a], "stress: %s, max_velocity: 1, relaxation: %g",
+                     a < held ? "20 kPa, stress_of: mean"
+                     : a == 1 ? "18 kPa"
+                              : "24 kPa",
+                     share);
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1 mm, cells: [2, 2, 2], "
+            "spacing: 0.9995, origin: [0, 0, 0]}}\n"
+            "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
+            "law: {stiffness: uniform}\n"
+            "damping: {%sbackground: {model: viscous, coefficient: 3000}}\n"
+            "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\nwalls:\n"
+            "- {name: x0, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
+            "- {name: y0, point: [0, 0, 0], normal: [0, 1, 0], stiffness: 1e5}\n"
+            "- {name: z0, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n"
+            "- {name: x1, point: [7 mm, 0, 0], normal: [-1, 0, 0], stiffness: 1e5, servo: {%s}}\n"
+            "- {name: y1, point: [0, 7 mm, 0], normal: [0, -1, 0], stiffness: 1e5, servo: {%s}}\n"
+            "- {name: z1, point: [0, 0, 7 mm], normal: [0, 0, -1], stiffness: 1e5, servo: {%s}}\n"
+            "time: {end: 1, safety: %g}\nrun: {threads: 1}\n",
+            damping[k / 4 % 2], servo[0], servo[1], servo[2], safety);
+        double worst = 0.0;
+        while (w->ctx.time < 40e-3) {
+            double side[3], mean = 0.0;
+            run_steps(w, 1);
+            if (w->ctx.time < 30e-3) continue;
+            for (int a = 0; a < 3; a++)
+                side[a] = w->boundary.walls[3 + a].point[a] - w->boundary.walls[a].point[a];
+            for (int a = 0; a < 3; a++) mean += w->boundary.walls[3 + a].force[a] * side[a] / 3.0;
+            worst = fmax(worst, fabs(mean / (side[0] * side[1] * side[2]) - 2e4));
+        }
+        if (worst > 5e-3 * 2e4)
+            fail_msg("%d axes, relaxation %g, safety %g: 20 kPa missed by %g Pa", held, share,
+                     safety, worst);
+        world_end(w);
+    }
+}
+
+static void a_mean_stress_needs_a_box_of_walls(void **state) {
+    (void)state;
+    static const char scene_text[] =
+        "dimension: 3\nspecimen: {particles: [[0, 0, 1 mm, 1 mm]], group: 0}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
+        "law: {stiffness: uniform}\nwalls:\n"
+        "- {name: z0, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n"
+        "- {name: z1, point: [0, 0, 2 mm], normal: [0, 0, -1], stiffness: 1e5, "
+        "servo: {force: 1, max_velocity: 1}}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n";
+    assert_change_refused(scene_text, "force: 1", "stress: 1, area: 1, stress_of: mean",
+                          "expected a wall of a box");
+    assert_change_refused(scene_text, "force: 1", "force: 1, stress_of: mean",
+                          "expected stress beside it");
 }
 
 int main(void) {
@@ -215,6 +315,9 @@ int main(void) {
         cmocka_unit_test(the_default_is_not_touched),
         cmocka_unit_test(a_servo_approaches_a_crowd_of_grains_softly),
         cmocka_unit_test(a_stress_is_held_over_the_section_of_the_box),
+        cmocka_unit_test(walls_hold_the_mean_stress_while_one_side_is_driven),
+        cmocka_unit_test(a_mean_stress_settles_at_any_relaxation),
+        cmocka_unit_test(a_mean_stress_needs_a_box_of_walls),
         cmocka_unit_test(a_lid_holds_its_force_on_grains_in_motion),
         cmocka_unit_test(impossible_servos_are_refused),
     };

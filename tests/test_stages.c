@@ -1000,8 +1000,8 @@ static void a_run_begins_where_another_ended(void **state) {
     assert_non_null(strstr(error.message, "specimen.from: cannot open '/nowhere'"));
     assert_int_equal(try_run(&wrong, again(folder, ", scale: 1e-3", ""), &error),
                      GNEISS_ERROR_INPUT);
-    assert_non_null(strstr(error.message, "specimen.scale: expected file, surface or mesh beside "
-                                          "it, whose lengths it scales, found from"));
+    assert_non_null(strstr(error.message, "specimen.scale: needs file, surface or mesh, whose "
+                                          "lengths it scales; found from"));
     FILE *broken = fopen(file, "w");
     assert_true(broken && fputs("no results", broken) >= 0 && fclose(broken) == 0);
     assert_int_not_equal(try_run(&wrong, again(folder, "", ""), &error), GNEISS_OK);

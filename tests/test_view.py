@@ -262,13 +262,24 @@ def missing_rights_are_named_without_names_of_temporary_files(folder):
     for name in ("results.h5", series(folder)[1][0]):
         path = os.path.join(folder, name)
         os.chmod(path, 0)
-        expect(without_rights("view", folder), 3, f"file error: .*{name}: cannot be read: Permission denied")
+        for command in ("view", "report") if name == "results.h5" else ("view",):
+            expect(without_rights(command, folder), 3, f"file error: .*{name}: cannot be read: Permission denied")
+        if name == "results.h5":
+            expect(without_rights("convert", folder, os.path.join(folder, "a.txt")), 3, f"{name}: cannot be read: Permission denied")
         os.chmod(path, 0o644)
     os.chmod(folder, 0o555)
     for options, name in (((), "view.html"), (("--paraview",), "paraview_state.py")):
         done = expect(without_rights("view", folder, *options), 3, f"file error: .*/{name}: cannot be written: Permission denied")
         assert ".report-" not in done.stderr and "matplotlib" not in done.stderr.lower(), done.stderr
     os.chmod(folder, 0o755)
+
+
+@fact
+def options_that_paraview_does_not_need_are_refused(folder):
+    run(LATTICE, folder, "--threads", "1")
+    for option, value in (("--instants", "5"), ("--fields", "damage")):
+        expect(gneiss("view", folder, "--paraview", option, value), 2, f"{option}: --paraview writes every instant and every field")
+    assert not os.path.exists(os.path.join(folder, "run.vtkhdf"))
 
 
 @fact

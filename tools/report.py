@@ -3,7 +3,7 @@
 run but a packing, OUTDIR/packing.h5, the report is on that, and OUTDIR/packing.png shows it at a glance; of a sweep,
 OUTDIR/sweep.h5, the page holds its pictures.
 
-Exit codes: 0 done, 2 there is no results file that can be read, 3 the report cannot be written.
+Exit codes: 0 done, 2 there is no results file that can be read, 3 a file may not be read or the report cannot be written.
 """
 import os
 import sys
@@ -17,7 +17,7 @@ from report_elements import plot_elements
 from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, cut, plot_slice, plot_surface
-from report_files import Unreadable, printable
+from report_files import FileFault, Unreadable, printable
 from report_results import Results, quantity
 from report_sweep import write_sweep_report
 from report_tests import CURVES as TEST_CURVES
@@ -305,6 +305,9 @@ def main(arguments):
     except Unreadable as e:
         print(printable(f"gneiss: input error: {e}"), file=sys.stderr)
         return 2
+    except FileFault as e:
+        print(printable(f"gneiss: file error: {e}"), file=sys.stderr)
+        return 3
     except OSError as e:
         print(printable(f"gneiss: file error: the report cannot be written: {e}"), file=sys.stderr)
         return 3

@@ -19,12 +19,22 @@ class Unreadable(Exception):
     """The file is missing, damaged or not a results file; the text is for the user."""
 
 
+class FileFault(Exception):
+    """A file cannot be read or written for a reason of the system; the text is for the user."""
+
+
 def printable(text):
     """Returns the text without control characters of terminals."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(text))
 
 
 # --- reading -------------------------------------------------------------------------------------------
+
+def check_access(path, error=None):
+    """Refuses a file that the user may not read; `error`: what reading it raised."""
+    if isinstance(error, PermissionError) or os.path.exists(path) and not os.access(path, os.R_OK):
+        raise FileFault(f"{path}: cannot be read: Permission denied") from None
+
 
 def fault_of_values(dataset):
     """Returns the reason why the values of a data set cannot be read; "" if they can."""
@@ -89,7 +99,7 @@ def check(path, file, remedy):
 
 @contextlib.contextmanager
 def opened(path, kind, remedy):
-    """Opens and checks the file; every error on the way becomes Unreadable."""
+    """Opens and checks the file; every error on the way becomes Unreadable or FileFault."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise Unreadable(f"{path}: expected a file, found something else")
@@ -99,6 +109,7 @@ def opened(path, kind, remedy):
     except FileNotFoundError:
         raise Unreadable(f"{path}: no such file (is this the output folder of a run?)") from None
     except DAMAGE as e:
+        check_access(path, e)
         raise Unreadable(f"{path}: damaged or not {kind}: {' '.join(str(e).split())}") from None
 
 

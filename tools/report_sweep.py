@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 import report_envelope
 from report_curves import BLUE, GREY, INK, RED, save
 from report_page import STYLE, draw, escape, is_inside, table, write_page
-from report_files import opened
+from report_files import FileFault, opened
 from report_results import Column, Unreadable, _text, quantity, scale_of
 
 FIRST = ("axial_strength", "indirect_tensile_strength", "flexural_strength", "shear_strength", "peak_stress", "young_modulus", "poisson_ratio", "peak_strain", "largest_stress", "energy.residual")
@@ -257,7 +257,7 @@ def curve_of(path):
             if "strain" in history and "stress" in history:
                 strain, stress = history["strain"][()], history["stress"][()]
                 return (strain, stress) if np.isfinite(strain).any() and np.isfinite(stress).any() else None
-    except (Unreadable, KeyError) as e:
+    except (FileFault, Unreadable, KeyError) as e:
         print(f"gneiss: warning: a curve is left out: {e}", file=sys.stderr)
     return None
 

@@ -12,12 +12,13 @@ import os
 import re
 import sys
 
-from report_files import Unreadable, printable, write
+from report_files import FileFault, Unreadable, printable, write
 from report_page import escape
-from view_data import FileFault, NoResults, Vanished, View, results_of
+from view_data import NoResults, Vanished, View, results_of
 from view_paraview import write_one_file, write_script
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+INSTANTS = 20  # most snapshots of a page, unless an option gives another number
 FEW = 5  # instants that give the ranges of colours
 TRIES = 3  # a run that goes on may remove snapshots while they are read
 NOTE = "results.h5 is written at the first checkpoint; until then the page has the snapshots alone, without curves, walls and the title of the scene"
@@ -89,7 +90,10 @@ def write_view(folder, results, instants, fields):
 
 def write_all(given):
     """Writes what the options ask for; returns the paths. The list of snapshots is read again if one of them is gone meanwhile."""
-    instants, fields = number_of(given.instants), fields_of(given.fields)
+    for name in ("instants", "fields"):
+        if given.paraview and getattr(given, name) is not None:
+            raise Unreadable(f"--{name}: --paraview writes every instant and every field, of which ParaView shows what is chosen there; expected one of them, found both")
+    instants, fields = INSTANTS if given.instants is None else number_of(given.instants), fields_of(given.fields)
     for left in reversed(range(TRIES)):
         try:
             results = results_of(given.folder)
@@ -104,7 +108,7 @@ def write_all(given):
 
 def main(arguments):
     parser = argparse.ArgumentParser(prog="view.py", usage="view.py [--instants N] [--fields NAME,...] [--paraview] OUTDIR (the output folder of a run)")
-    parser.add_argument("--instants", default="20")
+    parser.add_argument("--instants")
     parser.add_argument("--fields")
     parser.add_argument("--paraview", action="store_true")
     parser.add_argument("folder")

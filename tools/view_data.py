@@ -7,7 +7,7 @@ import zlib
 import h5py
 import numpy as np
 
-from report_files import DAMAGE, Unreadable, values
+from report_files import DAMAGE, Unreadable, check_access, values
 from report_results import Results, scale_for
 from report_shapes import FACES, folds, panes, walls_of
 
@@ -27,10 +27,6 @@ TEXTS = {"velocity": "speed", "pressure": "pressure, compression +", "tension": 
 
 # --- snapshots --------------------------------------------------------------------------------------------
 
-class FileFault(Exception):
-    """A file cannot be read or written for a reason of the system; the text is for the user."""
-
-
 class Vanished(Exception):
     """A snapshot that was listed is gone: a run thins its snapshots while it goes on."""
 
@@ -44,13 +40,8 @@ def snapshot(path):
     except DAMAGE as e:
         if not os.path.exists(path):
             raise Vanished(f"{path}: the run removed this snapshot while it was read; try again") from None
-        check_access(path)
+        check_access(path, e)
         raise Unreadable(f"{path}: damaged or not a snapshot: {' '.join(str(e).split())}") from None
-
-
-def check_access(path):
-    if os.path.exists(path) and not os.access(path, os.R_OK):
-        raise FileFault(f"{path}: cannot be read: Permission denied")
 
 
 class Grid:
@@ -488,4 +479,4 @@ def plots_of(names, results):
     return [[along, ups[0]] for ups in (first or second[1:], second) if ups]
 
 
-__all__ = ["FileFault", "NoResults", "Vanished", "View", "results_of"]
+__all__ = ["NoResults", "Vanished", "View", "results_of"]

@@ -89,12 +89,13 @@ typedef struct gneiss_key {
     char path[128];    /* "materials[].friction"; [] stands for an element of a list */
     char value[256];   /* accepted values, in words: "number, Pa, in (0, inf)", "on, off" */
     char fallback[64]; /* default as written in a file; "": none */
-    const char *kind;  /* "number", "integer", "text", "choice", "vector", "spin", "table",
-                          "numbers",  "rows", "names", "tree", "section", "list" */
-    const char *unit;  /* SI unit of numbers; "1": none */
-    const char *word;  /* word accepted instead of a value, such as "auto"; "": none */
-    const char *text;  /* meaning, one line */
-    int32_t required;  /* 1: a section without the key is an error */
+    const char
+        *kind;        /* "number", "integer", "text", "choice", "vector", "tables" (a vector of
+                         tables), "spin", "table", "numbers", "rows", "names", "tree", "section", "list" */
+    const char *unit; /* SI unit of numbers; "1": none */
+    const char *word; /* word accepted instead of a value, such as "auto"; "": none */
+    const char *text; /* meaning, one line */
+    int32_t required; /* 1: a section without the key is an error */
 } gneiss_key;
 
 /* Writes the key at a place in the list of all, sections before the keys in them. The texts are

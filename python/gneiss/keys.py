@@ -12,7 +12,8 @@ from typing import Any, Literal, TypedDict, Union
 Number = Union[float, str]  # in SI, or a text with a unit
 Vector = Sequence[Number]
 Rows = Any  # rows of numbers, also as an array of numpy, or their number
-Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, or [[time, value], ...]
+Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, [[time, value], ...], or a formula of t in a text
+Tables = Sequence[Table]
 
 
 class Scene(TypedDict, total=False):
@@ -27,7 +28,7 @@ class Scene(TypedDict, total=False):
     couple: Couple  # coupling of particles and elements in zones that both share
     bonds: Bonds  # brittle bonds between particles of one group
     damping: Damping  # dissipation in addition to friction and breakage
-    gravity: Vector  # [x, y, z], in 2D [x, y], m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
+    gravity: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
     initial: Initial  # the state at the start
     periodic: Periodic  # a periodic box
     domain: Domain  # region of space that particles must not leave
@@ -142,6 +143,7 @@ class Material(TypedDict, total=False):
     friction: Number  # number, or an angle, in [0, 1e30]: Coulomb friction coefficient (default 0)
     rolling_friction: Number  # number, in [0, 1e30]: mu_r: contacts resist rolling up to the moment mu_r R |f_n|, R the reduced radius; 0: no resistance (default 0)
     twisting_friction: Number  # number, in [0, 1e30]: mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: no resistance (default 0)
+    adhesion: Number  # number, J/m2, in [0, 1e6]: with law.cohesion jkr and dmt: work of adhesion w of two surfaces of this material, twice its surface energy; of two materials the geometric mean (default 0)
     restitution: Number  # number, in [0, 1], or none: with hertz: restitution coefficient of its contacts, the smaller one of two materials; none: that of damping.contact (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: sigma_c of a bond; needed with bonds by every law but uniform (default none)
     shear_strength: Number  # number, Pa, in [1e-12, 1e100], or none: tau_c of a bond; needed with bonds by every law but uniform (default none)
@@ -190,6 +192,7 @@ class Contact(TypedDict, total=False):
     bond_tension_limit: Number  # number, N, in [1e-30, 1e100], or combined: R_n of the uniform law, instead of the smaller (default combined)
     bond_shear_limit: Number  # number, N, in [1e-30, 1e100], or combined: R_t of the uniform law, instead of the smaller (default combined)
     bond_friction: Number  # number, or an angle, in [0, 1e30], or combined: mu_1 of a bond, instead of the smaller (default combined)
+    adhesion: Number  # number, J/m2, in [0, 1e6], or combined: w, instead of the geometric mean (default combined)
     rolling_friction: Number  # number, in [0, 1e30], or combined: mu_r, instead of the smaller (default combined)
     twisting_friction: Number  # number, in [0, 1e30], or combined: mu_t, instead of the smaller (default combined)
     restitution: Number  # number, in [0, 1], or combined: restitution coefficient with hertz, instead of the smaller (default combined)
@@ -203,6 +206,10 @@ class Law(TypedDict, total=False):
     gamma_rule: Literal['volume', 'porosity']  # rule for gamma: auto; volume: the sum of sections times lengths equals the dimension times the volume; porosity: 40 e/n_c (Santasusana 2013) (default volume)
     contact_arm: Literal['midpoint', 'radius']  # contact point: midpoint of the gap, or one radius from the centre (default midpoint)
     pull: Literal['true', 'false'] | bool  # with hertz: the dashpot may exert tension at the end of a collision; false: the total force is cut off at zero, and the dashpot is adjusted to keep the restitution (default true)
+    cohesion: Literal['none', 'jkr', 'dmt', 'liquid']  # with hertz: attraction of particles; jkr: Johnson, Kendall and Roberts 1971, with necks; dmt: constant pull-off force while they touch; liquid: bridges of liquid (Willett et al. 2000) (default none)
+    surface_tension: Number  # number, N/m, in (0, 100], or none: surface tension of the liquid; needed by cohesion liquid (default none)
+    contact_angle: Number  # number, rad, in [0, 0.8726646259971648]: angle of the liquid on the particles, with cohesion liquid; at most 50 degrees, the range of the fit (default 0)
+    liquid_content: Number  # number, in (0, 0.5], or none: volume of the liquid over that of the particles at the start; needed by cohesion liquid (default none)
     rotation: Literal['auto', 'on', 'off'] | bool  # particles rotate; auto: on (default auto)
     coupling: Literal['none', 'quadratic', 'linear']  # reduction of a bond's shear strength by tension; quadratic: the bond breaks when the squares of force over strength add up to 1; linear: by mu_1 f_n (default none)
     confinement: Literal['own', 'mean']  # normal force that the friction of bonds (bond_friction) acts on: own: that of the bond; mean: that of the mean stress around its two particles (default own)
@@ -276,9 +283,9 @@ class ElementsMotionBox(TypedDict, total=False):
 
 
 class ElementsMotionMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
 
 
 class ElementsLoad(TypedDict, total=False):
@@ -295,15 +302,15 @@ class ElementsLoadBox(TypedDict, total=False):
 
 
 class ElementsLoadTraction(TypedDict, total=False):
-    tx: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along x (default none)
-    ty: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along y (default none)
-    tz: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along z (default none)
+    tx: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along x (default none)
+    ty: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along y (default none)
+    tz: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along z (default none)
 
 
 class ElementsLoadForce(TypedDict, total=False):
-    fx: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along x (default none)
-    fy: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along y (default none)
-    fz: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along z (default none)
+    fx: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along x (default none)
+    fy: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along y (default none)
+    fz: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along z (default none)
 
 
 class ElementsContact(TypedDict, total=False):
@@ -405,22 +412,25 @@ class Periodic(TypedDict, total=False):
 
 
 class PeriodicX(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
 
 class PeriodicY(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
 
 class PeriodicZ(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
@@ -438,7 +448,7 @@ class Set(TypedDict, total=False):
     group: int | str  # whole number, in [0, 1000000], or keep: another cohesive group than the specimen's (default keep)
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin at the start; in 2D one number
-    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: total force on the set, distributed by mass
+    force: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, N, in [-1e18, 1e18]: total force on the set, distributed by mass
     motion: SetMotion  # prescribed motion; each channel free, constant or a table [[time, value], ...]
 
 
@@ -462,12 +472,12 @@ class SetSelectEnd(TypedDict, total=False):
 
 
 class SetMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
-    wx: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about x (default free)
-    wy: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about y (default free)
-    wz: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
+    wx: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about x (default free)
+    wy: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about y (default free)
+    wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about z (default free)
 
 
 class Wall(TypedDict, total=False):
@@ -486,14 +496,15 @@ class Wall(TypedDict, total=False):
 
 
 class WallMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along z (default free)
 
 
 class WallServo(TypedDict, total=False):
-    force: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: target normal force, compression positive; constant or a table; force or stress (default none)
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target normal stress on the area of the wall, compression positive; constant or a table; force or stress (default none)
+    force: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: target normal force, compression positive; constant or a table; force or stress (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target normal stress on the area of the wall, compression positive; constant or a table; force or stress (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that on this wall; mean: it is the mean over all axes of a box of walls, which the walls with this word hold by equal stresses of their own (default side)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area for stress; auto: the current section between the walls that face each other across this one (default auto)
     max_velocity: Number  # number, m/s, in (0, inf): largest velocity of the wall
     relaxation: Number  # number, in (0, 1]: fraction of the force error corrected per step; reduced where stability of the time step requires it (default 0.1)
@@ -526,7 +537,7 @@ class Body(TypedDict, total=False):
     inertia: Number | Vector  # [x, y, z], in 2D a number, kg m2, in [1e-36, 1e36]: moments of inertia of a free body about its centre of mass along x, y, z, which are its principal axes at the start; in 2D one number; default: those of the shape with uniform density
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity of a free body at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin of a free body at the start; in 2D one number
-    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: constant force on the centre of mass of a free body, along directions without prescribed motion
+    force: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, N, in [-1e18, 1e18]: force on the centre of mass of a free body, along directions without prescribed motion
     motion: BodyMotion  # prescribed motion of the body; components left out are zero, in a free body free
 
 
@@ -577,12 +588,12 @@ class BodyPick(TypedDict, total=False):
 
 
 class BodyMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along z (default free)
-    wx: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about x (default free)
-    wy: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about y (default free)
-    wz: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along z (default free)
+    wx: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about x (default free)
+    wy: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about y (default free)
+    wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
 
 
 class Joint(TypedDict, total=False):
@@ -691,7 +702,7 @@ class SinkCylinder(TypedDict, total=False):
 
 
 class Membrane(TypedDict, total=False):
-    pressure: Table  # number or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
+    pressure: Table  # number, formula of t or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
     ramp: Number  # number, s, in [0, inf): time over which the pressure rises linearly from 0; in a stage that changes the membrane, from the present pressure since the start of the stage (default 0)
     surface: Literal['shape', 'particles']  # surface that is loaded. shape: that of the specimen's shape; particles: that of the particles, which lies inside it, as for specimens without a shape (default shape)
     faces: Literal['all', 'sides']  # all of the surface, as in a pressure cell; or only the sides, which face across the axis (default all)
@@ -700,10 +711,10 @@ class Membrane(TypedDict, total=False):
 
 
 class Test(TypedDict, total=False):
-    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
+    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'polyaxial', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, polyaxial: without ends, a stress or motion on every side, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
     axis: Literal['none', 'x', 'y', 'z']  # direction of loading, or of the motion of the tool (cutting); needed by all but hydrostatic (default none)
-    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
-    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting
+    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic, polyaxial and cutting
+    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic, polyaxial and cutting
     normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of the rock (default none)
     tool: str  # text: cutting: the body that cuts
     depth: Number  # number, m, in [1e-9, 1e9], or none: cutting: depth of the cut, to which energies and predictions refer (default none)
@@ -714,7 +725,7 @@ class Test(TypedDict, total=False):
     compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, used for predicted forces only (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, used for predicted forces only (default none)
     pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
-    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
+    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock, or comes near held particles (default auto)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area of the section of the specimen; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
     diameter: Number  # number, m, in [1e-9, 1e9], or none: diameter of a cylinder; brazilian: of the disc, none: its extent along the axis (default none)
     thickness: Number  # number, m, in [1e-9, 1e9], or auto: thickness of the disc of a brazilian test, or of the beam of a bending test; auto: its extent, in 2D 1 m (default auto)
@@ -780,7 +791,7 @@ class Stage(TypedDict, total=False):
     couple: Couple  # coupling of particles and elements in zones that both share
     bonds: Bonds  # brittle bonds between particles of one group
     damping: Damping  # dissipation in addition to friction and breakage
-    gravity: Vector  # [x, y, z], in 2D [x, y], m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
+    gravity: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
     initial: Initial  # the state at the start
     periodic: Periodic  # a periodic box
     domain: Domain  # region of space that particles must not leave
@@ -811,6 +822,7 @@ class StageEnd(TypedDict, total=False):
 class Output(TypedDict, total=False):
     directory: str  # text: folder of the results; left out: runs/ and the name of the scene
     history_rows: int | str  # whole number, in [0, 10000000]: rows of the history up to time.end; up to twice as many if a test ends before (default 1000)
+    structure: OutputStructure  # box in which porosity, coordination, fabric and sliding contacts of the history are measured; left out: the whole specimen
     snapshots: int | str  # whole number, in [0, 1000000]: snapshots up to the end, besides those at the peak of a test and at half of it; 0: only the last state (default 10)
     checkpoint: Number  # number, s, in [0, inf), or off: wall time between checkpoints; off: only on a signal and at the end (default 5 min)
     energy: Literal['auto', 'on', 'off'] | bool  # energy ledger; auto: on (default auto)
@@ -819,6 +831,11 @@ class Output(TypedDict, total=False):
     contacts: Literal['auto', 'on', 'off'] | bool  # all acting contacts, including unbonded ones and those with walls and bodies, in snapshots and results.h5; auto: off (default auto)
     burst_reach: Number  # number, in [0, 1e6]: breaks belong to one burst if they are at most this many mean diameters of bonded particles apart, and in time at most what a wave takes over that distance (default 5)
     fields: str | Sequence[str]  # name or list of names: further quantities of particles and bonds in snapshots and results.h5: spin, group, material, skin, total_force, total_moment, damping_force, damping_moment, fragment, fragment_size, area, shear_stress (docs/quantities.md)
+
+
+class OutputStructure(TypedDict, total=False):
+    min: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: lower corner of the box
+    max: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: upper corner of the box
 
 
 class Neighbours(TypedDict, total=False):

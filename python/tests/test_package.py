@@ -88,6 +88,18 @@ def the_snippets_of_the_page_run_one_after_the_other(folder):
 
 
 @fact
+def the_lines_of_the_start_page_read_a_run(folder):
+    with open(os.path.join(TREE, "docs", "start.md"), encoding="utf-8") as file:
+        lines = re.search(r"^```python\n(.*?)^```", file.read(), re.M | re.S)[1]
+    run(LATTICE, os.path.join(folder, "runs", "ucs-rock"))
+    done = subprocess.run(["/usr/bin/python3", "-c", lines + "print(data.sizes['bonds'])"], capture_output=True, text=True, cwd=folder, env=MODULE)
+    assert done.returncode == 0, done.stderr
+    assert os.path.getsize(os.path.join(folder, "curve.png")) > 1000
+    with h5py.File(os.path.join(folder, "runs", "ucs-rock", "results.h5")) as file:
+        assert done.stdout.splitlines()[-1] == str(len(file["bonds/i"])) and f"{file['readings/peak_stress'][0]}" in done.stdout
+
+
+@fact
 def the_magnet_lifts_grains_and_its_ledger_closes(folder):
     done = subprocess.run(["/usr/bin/python3", os.path.join(TREE, "examples", "magnet.py")], capture_output=True, text=True, env=MODULE)
     assert done.returncode == 0, done.stderr

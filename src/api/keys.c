@@ -19,6 +19,7 @@ static const char *kind_of(const gn_key *key) {
     case GN_KEY_CHOICE:
         return "choice";
     case GN_KEY_VECTOR:
+        return key->second ? "tables" : "vector";
     case GN_KEY_CELLS:
         return "vector";
     case GN_KEY_SPIN:

@@ -70,8 +70,7 @@ static gneiss_status set_component(gn_scene *scene, const char *name, int compon
                        "(0 suffices), found %c%c %s",
                        scene->source, name, component < 3 ? 'v' : 'w', "xyz"[component % 3],
                        table -> count ? "under a servo" : "free");
-    table->count = 1;
-    table->value[0] = value;
+    gn_table_set_constant(table, value);
     return GNEISS_OK;
 }
 

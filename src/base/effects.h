@@ -49,6 +49,7 @@
     X(NO_PULL, no_pull, "contacts whose dashpot never exerts tension")                             \
     X(ROLLING, rolling, "contacts that resist rolling and twisting")                               \
     X(OVERLAP, overlap, "coupling zones of particles and finite elements")                         \
+    X(COHESION, cohesion, "contacts that attract each other (JKR, DMT, liquid bridges)")           \
     X(JOINTS, joints, "contacts across joints (smooth joints)")
 
 typedef enum gn_effect_index {

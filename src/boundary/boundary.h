@@ -137,9 +137,10 @@ size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary
 gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary);
 
-/* Returns the target force of a servo wall, N. */
+/* Returns the target force of a servo wall, N, and the part of the difference from it that the
+ * servo may make up, beyond its relaxation. */
 double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
-                      double time);
+                      double time, double *part);
 /* Finds the stiffness behind servo walls after lists have been made. */
 void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 /* Sets the velocities of walls to those that their tables prescribe at the present time. */

@@ -8,6 +8,7 @@
 #include "boundary/surface.h"
 #include "frame/frame.h"
 #include "frame/parts.h"
+#include "particles/bridges.h"
 #include "particles/expected_overlap.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
@@ -97,7 +98,8 @@ static inline gn_touch_step gn_touch_step_of(const gn_step_context *ctx, const g
                            .damping = ctx->effects & GN_FX_CONTACT_DAMPING,
                            .space = ctx->effects & GN_FX_SPACE,
                            .spins = dem->particles.spin != NULL,
-                           .pulls = !(ctx->effects & GN_FX_NO_PULL)};
+                           .pulls = !(ctx->effects & GN_FX_NO_PULL),
+                           .rupture = gn_bridge_rupture(&ctx->scene)};
 }
 
 /* Returns the force of a contact, see gn_law.touch. `row`: the row of the contact. */

@@ -74,11 +74,6 @@ static double free_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return is_free ? fmin(0.0, wall_gap(dem, boundary, particle, wall)) : 0.0;
 }
 
-static bool near_wall(const gn_dem *dem, const gn_boundary *boundary, size_t p, size_t k) {
-    return gn_particle_is_active(&dem->particles, p) &&
-           wall_gap(dem, boundary, p, k) <= dem->verlet.skin;
-}
-
 /* Finds the row in the old list; both lists are sorted by (particle, wall), and the old one has
  * been renumbered. -1: there is none. */
 static int32_t place_before(const gn_wall_contacts *old, int32_t i, int32_t wall) {
@@ -93,6 +88,19 @@ static int32_t place_before(const gn_wall_contacts *old, int32_t i, int32_t wall
     }
     if (low == old->soa.count || old->i[low] != i || old->wall[low] != wall) return -1;
     return (int32_t)low;
+}
+
+/* Tells whether a particle adheres to the wall, at any gap. */
+static bool adheres(const gn_wall_contacts *old, size_t p, size_t k) {
+    if (!old->bridge) return false;
+    int32_t from = place_before(old, (int32_t)p, (int32_t)k);
+    return from >= 0 && old->bridge[from] > 0.0;
+}
+
+static bool near_wall(const gn_dem *dem, const gn_boundary *boundary, size_t p, size_t k) {
+    return gn_particle_is_active(&dem->particles, p) &&
+           (wall_gap(dem, boundary, p, k) <= dem->verlet.skin ||
+            adheres(&boundary->contacts, p, k));
 }
 
 static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_t c) {
@@ -197,6 +205,7 @@ static void touch_across(const gn_dem *dem, size_t p, const double v[3], double 
 /* Tells whether a contact needs no work: most listed contacts are open and have no history. */
 static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double path) {
     if (s->gap < 0.0 || s->gap < path || (q->fd && q->fd[c] != 0.0)) return false;
+    if (q->bridge && q->bridge[c] > 0.0) return false;
     size_t stride = q->soa.capacity;
     for (size_t a = 0; a < 3; a++)
         if ((q->shear && q->shear[c + a * stride] != 0.0) ||
@@ -217,6 +226,10 @@ static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *b
     const gn_touch_side law = gn_wall_side(ctx, dem, (size_t)q->wall[c], (size_t)q->i[c]);
     if (q->shear) touch_across(dem, (size_t)q->i[c], v, arm, &s);
     if (q->closeness) s.closeness = q->closeness + c;
+    if (q->bridge) {
+        s.bridge = q->bridge + c;
+        s.film = dem->particles.film + q->i[c];
+    }
     if (q->roll) {
         s.roll = q->roll + c;
         s.roll_stride = q->soa.capacity;
@@ -405,11 +418,50 @@ static double wall_area(const gn_step_context *ctx, const gn_boundary *boundary,
     return area;
 }
 
-double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
-                      double time) {
+/* Returns the stress, Pa, compression positive, on the first two walls that face each other across
+ * an axis: the mean of both; `held`: whether one of them holds the mean stress. */
+static double stress_along(const gn_step_context *ctx, const gn_boundary *boundary, int axis,
+                           bool *held) {
+    double sum = 0.0;
+    *held = false;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        const int k = gn_scene_wall_facing(&ctx->scene, axis, sense);
+        const gn_wall *wall = &boundary->walls[k];
+        sum -= 0.5 * gn_dot3(wall->force, wall->normal) / wall_area(ctx, boundary, (size_t)k);
+        *held = *held || ctx->scene.walls[k].servo.of_mean;
+    }
+    return sum;
+}
+
+/* Returns the target of the stress of a servo wall, and the part of the difference that it may make
+ * up; walls that hold the mean stress share what the other axes leave of it, as sides of a periodic
+ * box do (drive/box.c). */
+static double stress_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                            double time, double *part) {
     const gn_servo *servo = &ctx->scene.walls[wall].servo;
+    const int dimension = (int)ctx->scene.dimension;
+    const double wanted = gn_table_at(&servo->stress, time);
+    double left = dimension * wanted, count = 0.0;
+    *part = 1.0;
+    if (!servo->of_mean) return wanted;
+    for (int a = 0; a < dimension; a++) {
+        bool held;
+        const double found = stress_along(ctx, boundary, a, &held);
+        if (held)
+            count += 1.0;
+        else
+            left -= found;
+    }
+    *part = count / dimension;
+    return left / count;
+}
+
+double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                      double time, double *part) {
+    const gn_servo *servo = &ctx->scene.walls[wall].servo;
+    *part = 1.0;
     if (servo->force.count) return gn_table_at(&servo->force, time);
-    return gn_table_at(&servo->stress, time) * wall_area(ctx, boundary, wall);
+    return stress_wanted(ctx, boundary, wall, time, part) * wall_area(ctx, boundary, wall);
 }
 
 /* Sets the velocity of a servo wall: along its normal it moves by the fraction `relaxation`, which
@@ -418,8 +470,11 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
                            size_t k) {
     const gn_servo *servo = &ctx->scene.walls[k].servo;
     gn_wall *wall = &boundary->walls[k];
-    double relaxation = fmin(servo->relaxation, gn_wall_servo_relaxation(ctx, dem, boundary, k));
-    gn_servo_look look = {.wanted = gn_wall_wanted(ctx, boundary, k, ctx->time),
+    double part;
+    const double wanted = gn_wall_wanted(ctx, boundary, k, ctx->time, &part);
+    double relaxation =
+        part * fmin(servo->relaxation, gn_wall_servo_relaxation(ctx, dem, boundary, k));
+    gn_servo_look look = {.wanted = wanted,
                           .found = -gn_dot3(wall->force, wall->normal),
                           .most = servo->max_velocity};
     double stiffness =

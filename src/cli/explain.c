@@ -1,5 +1,6 @@
 #include "cli/explain.h"
 
+#include "scene/foreign.h"
 #include "scene/problems.h"
 
 #include <math.h>
@@ -295,7 +296,7 @@ static void print_key(const char *path, const gn_key *key) {
 }
 
 gneiss_status gn_command_explain(const gn_options *options, gneiss_error *error) {
-    char nearest[GN_KEY_PATH_SIZE];
+    char nearest[GN_KEY_PATH_SIZE], meaning[GN_FOREIGN_SIZE];
     search s = {.given = options->target};
     gn_scene_visit_keys(look_at, &s);
     if (s.count == 1) {
@@ -306,6 +307,13 @@ gneiss_status gn_command_explain(const gn_options *options, gneiss_error *error)
     for (size_t k = 0; k < s.count; k++)
         printf("%s\n    %s\n", s.found[k].path, s.found[k].key->text);
     if (s.count) return GNEISS_OK;
+    const gn_foreign_name *foreign = gn_foreign_next(options->target, NULL);
+    if (foreign) {
+        gn_foreign_describe(foreign, meaning, sizeof meaning);
+        printf("%s\n\n", meaning);
+        print_key(foreign->key, gn_scene_key_at(foreign->key));
+        return GNEISS_OK;
+    }
     const bool meant = gn_scene_nearest_key(options->target, nearest, sizeof nearest);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "explain: expected a key such as walls.motion.vz, found '%s'%s%s%s",

@@ -102,13 +102,16 @@ static void write_part(gn_json *json, const char *key, const char *text, size_t 
     free(part);
 }
 
-/* Writes the parts of "expected X, found Y" and "unknown key 'X'; did you mean 'Y'?". */
+/* Writes the parts of "expected X, found Y", "needs X; found Y", "unknown key 'X'; did you mean
+ * 'Y'?" and "unknown key 'X'; X of PROGRAM is Y: ...". */
 static void write_expectation(gn_json *json, const char *text) {
     const char *wanted = strstr(text, "expected "), *meant = strstr(text, "did you mean '"),
-               *found = wanted ? strstr(wanted, ", found ") : NULL;
+               *other = strstr(text, " is "), *found = wanted ? strstr(wanted, ", found ") : NULL;
+    if (wanted) wanted += sizeof "expected " - 1;
+    if (!wanted && strncmp(text, "needs ", 6) == 0) wanted = text + 6;
     if (wanted && !found) found = strstr(wanted, "; found ");
     if (found) {
-        write_part(json, "expected", wanted + 9, (size_t)(found - wanted - 9));
+        write_part(json, "expected", wanted, (size_t)(found - wanted));
         write_part(json, "found", found + 8, strlen(found + 8));
     } else if (strncmp(text, "required, but not given", 23) == 0) {
         gn_json_text(json, "expected", "a value");
@@ -118,7 +121,9 @@ static void write_expectation(gn_json *json, const char *text) {
         if (meant)
             write_part(json, "expected", meant + 14, strcspn(meant + 14, "'"));
         else if (wanted)
-            write_part(json, "expected", wanted + 9, strlen(wanted + 9));
+            write_part(json, "expected", wanted, strlen(wanted));
+        else if (other)
+            write_part(json, "expected", other + 4, strcspn(other + 4, ": "));
         write_part(json, "found", name, strcspn(name, "'"));
     }
 }

@@ -82,8 +82,8 @@ static gneiss_status check_plan_options(const gn_options *options, const gn_comm
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan and gneiss run",
                        command->name, given);
     if (given && !(options->error > 0.0))
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s: expected --error beside it",
-                       command->name, given);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s: needs --error", command->name,
+                       given);
     return GNEISS_OK;
 }
 

@@ -519,9 +519,12 @@ static void print_section(const gn_world *world) {
                "xyz"[world->ctx.scene.test.axis], x -> narrowest / x -> mean,
                world -> ctx.test_area);
     else if (x->mean > 0.0)
-        printf("  section          %.4g m2 on average, %.4g m2 at the narrowest section: moduli "
-               "are read by the mean of 1/area, stresses over %.4g m2\n",
-               x->mean, x->narrowest, world->ctx.test_area);
+        printf("  section          %.4g m2 on average, %.4g m2 at the narrowest section: %s, "
+               "stresses over %.4g m2\n",
+               x->mean, x->narrowest,
+               isnan(gn_section_by_ends(&world->ctx, x)) ? "no modulus is read"
+                                                         : "moduli are read by the mean of 1/area",
+               world->ctx.test_area);
     if (x->mean > 0.0 && x->guessed == 0.0 && x->spread > 0.02)
         printf("  section          changes fast relative to its width: moduli are read about %.2g "
                "%% too low, as stresses spread gradually\n",

@@ -22,7 +22,7 @@ gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gnei
     enum { WARM_UP = 20, PACED = 192 };
     double start = gn_now();
     int steps = 0;
-    for (bool warm = false; !warm || gn_now() - start < 0.25;) {
+    for (bool warm = false; !warm || gn_now() - start < 0.1;) {
         if (!warm && (steps == PACED || (steps >= WARM_UP && gn_now() - start > 1.0))) {
             warm = true;
             start = gn_now();

@@ -45,6 +45,7 @@ static const struct {
     {"whole", "a whole number", "^[+-]?[0-9]+(?:[eE]\\+?[0-9]+)?$"},
     {"zero", "zero, with or without unit", ANY_SIGN "(?:0+\\.?0*|\\.0+)(?:[eE][+-]?[0-9]+)?" UNIT},
     {"text", "text without control characters", "^[^\\x00-\\x1f\\x7f]*$"},
+    {"formula", "a formula of t in SI units", "(?:^|[^A-Za-z0-9_.])t(?![A-Za-z0-9_])"},
     {"name", "a name: not empty, not a number, without . / [ ] = and control characters",
      "^(?! *[+-]?" DIGITS "$)(?! *[+-]?(?:inf|infinity|nan)$)[^./\\[\\]=\\x00-\\x1f\\x7f]+$"},
 };
@@ -127,6 +128,29 @@ static void write_row(FILE *out, size_t least, size_t count, const char *const u
     fputs("]}", out);
 }
 
+static void write_table(FILE *out, const gn_key *key) {
+    write_number(out, unit_of(key), key->range);
+    fputs(",{\"$ref\":\"#/definitions/formula\"},", out);
+    open_array(out, 1, 0);
+    write_row(out, 2, 2, (const char *const[]){"s", unit_of(key)},
+              (const char *const[]){NULL, key->range});
+    fputc('}', out);
+}
+
+/* Writes the schema of a vector whose components may vary over time. */
+static void write_varying(const schema *s, const gn_key *key) {
+    open_array(s->out, s->dimension == 2 ? 2 : 3, 3);
+    for (int k = 0; k < 3; k++) {
+        fprintf(s->out, "%s{\"anyOf\":[", k ? "," : "[");
+        if (k < s->dimension)
+            write_table(s->out, key);
+        else
+            fputs("{\"const\":0},{\"$ref\":\"#/definitions/zero\"}", s->out);
+        fputs("]}", s->out);
+    }
+    fputs("]}", s->out);
+}
+
 /* Writes the schema of a vector. In 2D it may have a third component, which is zero; a spin is a
  * number or is directed along z. */
 static void write_vector(const schema *s, const gn_key *key) {
@@ -147,15 +171,6 @@ static void write_wholes(FILE *out, size_t least, size_t most, const char *range
     fputs("{\"anyOf\":[", out);
     write_whole(out, range);
     fputs("]}}", out);
-}
-
-static void write_table(FILE *out, const gn_key *key) {
-    write_number(out, unit_of(key), key->range);
-    fputc(',', out);
-    open_array(out, 1, 0);
-    write_row(out, 2, 2, (const char *const[]){"s", unit_of(key)},
-              (const char *const[]){NULL, key->range});
-    fputc('}', out);
 }
 
 static void write_points(const schema *s, const gn_key *key) {
@@ -220,7 +235,10 @@ static void write_list_value(const schema *s, const gn_key *key) {
     switch (key->type) {
     case GN_KEY_VECTOR:
     case GN_KEY_SPIN:
-        write_vector(s, key);
+        if (key->second)
+            write_varying(s, key);
+        else
+            write_vector(s, key);
         break;
     case GN_KEY_CELLS:
         write_wholes(s->out, s->dimension == 2 ? 2 : 3, 3, key->range);

@@ -71,7 +71,8 @@ gneiss_status gn_command_status(const gn_options *options, gneiss_error *error) 
     gn_status_path(options->target, path);
     if (access(path, F_OK) != 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: expected the folder of a run that has begun, found no status.json",
+                       "%s: expected the folder of a run that has begun, found no status.json "
+                       "(gneiss run writes it, worlds of the C API and of Python do not)",
                        options->target);
     GN_TRY(gn_read_text_file(path, STATUS_MOST, &text, error));
     gneiss_status status = gn_tree_read(text, strlen(text), path, &tree, error);

@@ -59,6 +59,28 @@ static double strained_by(const gn_dem *dem, int a) {
     return s->contacts.stress[4 * a];
 }
 
+/* Returns the target of a side's sum of f_a l_a. Sides that hold the mean stress p share what the
+ * other axes leave of it: in d dimensions m of them have the target (d p - sum of the other
+ * stresses)/m each. The difference from the target then contains (1 + (d - m)/m) = d/m times the
+ * response of one axis if all axes respond alike, so that their share of the difference is reduced
+ * by m/d: *part. */
+static double wanted_along(const gn_step_context *ctx, const gn_dem *dem, int a, double *part) {
+    const int dimension = (int)ctx->scene.dimension;
+    const gn_box_side *sides = ctx->scene.box;
+    const double wanted = -gn_table_at(&sides[a].stress, ctx->time) * ctx->volume;
+    double left = dimension * wanted, count = 0.0;
+    *part = 1.0;
+    if (!sides[a].of_mean) return wanted;
+    for (int b = 0; b < dimension; b++) {
+        if (sides[b].of_mean)
+            count += 1.0;
+        else
+            left -= strained_by(dem, b);
+    }
+    *part = count / dimension;
+    return left / count;
+}
+
 /* Returns the strain of the coming step: a fraction of the strain at which the contacts would
  * supply the missing stress. Stability: let u be the other motions of particles, e the strains of
  * the sides that follow a stress, B e their effect on branches, and K the springs. The stress
@@ -74,8 +96,10 @@ static double follow_stress(const gn_step_context *ctx, const gn_dem *dem, gn_pe
     const double answer = box->spring[a] + 2.0 * box->dashpot[a] / ctx->dt;
     const double most = fmin(side->max_rate * ctx->dt, most_strain);
     const double share = side->relaxation > 0.0 ? side->relaxation : 0.1;
-    const double taken = fmin(share, gn_servo_share(ctx, dem));
-    gn_servo_look look = {.wanted = -gn_table_at(&side->stress, ctx->time) * ctx->volume,
+    double part = 1.0;
+    const double wanted = wanted_along(ctx, dem, a, &part);
+    const double taken = part * fmin(share, gn_servo_share(ctx, dem));
+    gn_servo_look look = {.wanted = wanted,
                           .found = strained_by(dem, a),
                           .pace = taken / (answer * ctx->dt),
                           .answer = gn_servo_answer(taken, box->spring[a] / answer),

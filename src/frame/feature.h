@@ -59,6 +59,7 @@ typedef struct gn_feature {
 /* The features of scenes, in the order in which their hooks are called at every place; those that
  * were added to a world (world/features.h) come after them. X(name): gn_feature_<name>. */
 #define GN_FEATURES(X)                                                                             \
+    X(loads)                                                                                       \
     X(conversion)                                                                                  \
     X(indentation)                                                                                 \
     X(bodies)                                                                                      \
@@ -71,7 +72,8 @@ typedef struct gn_feature {
     X(cutting)                                                                                     \
     X(ends)                                                                                        \
     X(box)                                                                                         \
-    X(events)
+    X(events)                                                                                      \
+    X(bridges)
 
 #define X(name) extern const gn_feature gn_feature_##name;
 GN_FEATURES(X)

@@ -173,12 +173,13 @@ static gneiss_status read_unit(gn_packing_reader *in, const word *given, int kin
     if (!in->words->unit(in->words->units, text, unit, factor, reason, sizeof reason))
         return gn_packing_refuse(in, given->unit_at, "expected a unit such as %s, found '%s'%s%s",
                                  unit, seen, *reason ? ": " : "", reason);
-    if (in->scale != 1.0)
+    const bool length = strcmp(unit, "m") == 0;
+    if (length && in->scale != 1.0)
         return gn_packing_refuse(in, given->unit_at,
-                                 "expected units either in the header or by specimen.scale, found "
-                                 "'%s' and a scale of %g",
+                                 "expected units of lengths either in the header or by "
+                                 "specimen.scale, found '%s' and a scale of %g",
                                  seen, in->scale);
-    in->states_units = true;
+    in->states_units = in->states_units || length;
     if (isfinite(*factor) && *factor > 0.0) return GNEISS_OK;
     return gn_packing_refuse(in, given->unit_at, "expected a unit such as %s, found '%s'", unit,
                              seen);

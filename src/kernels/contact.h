@@ -7,13 +7,17 @@
 #include "kernels/partials.h"
 #include "soa/records.h"
 
+#include <stdbool.h>
+
 _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole vectors");
 
 /* Columns of parameters that may be the same for all contacts of a list. Per column: all bits are
  * set if they are, and the kernel then reads the first item repeatedly instead of streaming the
  * column; else 0. */
 #define GN_UNIFORM_COLUMNS(X)                                                                      \
-    X(kn) X(kt) X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced)
+    X(kn)                                                                                          \
+    X(kt)                                                                                          \
+    X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced) X(adhesion) X(span)
 typedef struct gn_uniform {
 #define X(name) size_t name;
     GN_UNIFORM_COLUMNS(X)
@@ -24,6 +28,18 @@ typedef struct gn_uniform {
  * positions and counts as none. Whether a contact that begins at 0 has begun is then decided alike
  * in this step and in the next one, which uses the previous stretch. */
 #define GN_OVERLAP_ROUNDING 0x1p-48
+
+/* The particles whose contacts are summed in the sums of the structure: those with centres in a
+ * box, m. */
+typedef struct gn_structure_box {
+    bool used; /* the sums are formed */
+    double low[3], high[3];
+} gn_structure_box;
+static inline bool gn_in_structure(const gn_structure_box *box, const double x[3]) {
+    bool in = true;
+    for (int a = 0; a < 3; a++) in = in && box->low[a] <= x[a] && x[a] <= box->high[a];
+    return in;
+}
 
 typedef struct gn_contact_args {
     const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
@@ -50,8 +66,11 @@ typedef struct gn_contact_args {
     const uint8_t *held; /* [slots] prescribed components, see gn_prescription.mask */
     double gravity[3];   /* m/s2 */
     const double *own; /* [particles] fraction of gravity that accelerates each particle; NULL: 1 */
+    int cohesion;      /* gn_cohesion, with GN_FX_COHESION */
+    double rupture;    /* (1 + theta/2)^3, with liquid bridges; see cohesion.h */
     double time;       /* s, time of the instant */
     bool measure;      /* the sums for readings are computed as well, see gn_contact_sums */
+    gn_structure_box structure;
 } gn_contact_args;
 
 /* Energy losses of a block of contacts in a step: X(name, text), J. Lanes sum up each loss under
@@ -62,7 +81,8 @@ typedef struct gn_contact_args {
     X(bond_breaking, "released in this step")                                                      \
     X(damage, "dissipated in this step")                                                           \
     X(plasticity, "dissipated in this step")                                                       \
-    X(rolling, "dissipated in this step")
+    X(rolling, "dissipated in this step")                                                          \
+    X(cohesion, "dissipated in this step")
 
 /* Other sums of a block: X(type, name, unit, text), V(type, name, components, unit, text). */
 #define GN_CONTACT_SUMS(X, V)                                                                      \
@@ -72,10 +92,16 @@ typedef struct gn_contact_args {
     V(double, stress, 9, "N m", "f_a l_b, l = x_j - x_i; with `measure`")                          \
     X(double, force, "N", "sum of |f|; with `measure`")                                            \
     X(double, carrying, "1", "contacts that carry force; with `measure`")                          \
+    V(double, fabric, 9, "1", "n_a n_b, as `ends`")                                                \
+    X(double, ends, "1", "ends in `structure` of contacts that carry force or are bonds")          \
+    X(double, loose_ends, "1", "such ends of contacts that are not intact bonds")                  \
+    X(double, sliding_ends, "1", "such ends of contacts at their limit of friction")               \
     X(int64_t, broken_tension, "1", "bonds broken in this step")                                   \
     X(int64_t, broken_shear, "1", "bonds broken in this step")                                     \
     X(int64_t, began, "1", "bonds that began to soften or to yield in this step; with events")     \
-    X(int64_t, pressed, "1", "contacts with an overlap beyond that for which the step was checked")
+    X(int64_t, pressed, "1",                                                                       \
+      "contacts with an overlap beyond that for which the step was checked")                       \
+    X(int64_t, wetting, "1", "contacts whose liquid bridge is to form or has ruptured in this step")
 
 typedef struct gn_contact_sums {
 #define X(type, name, unit, text)             type name;

@@ -73,11 +73,12 @@ typedef struct lane_sums {
 #undef X
 } lane_sums;
 
-/* The force of a contact on its first particle: its component along the normal and the vector
- * across it. */
+/* The force of a contact on its first particle: its component along the normal, the vector across
+ * it, and the attraction that presses the two solids in addition to -normal. */
 typedef struct contact_force {
     gn_v normal;
     gn_v3 shear;
+    gn_v beside;
 } contact_force;
 
 /* Returns the square of the velocity across the normal. */
@@ -92,12 +93,17 @@ GN_INLINE gn_v growth_of(gn_v3 v, gn_v speed, gn_v rate, int space) {
     return gn_fnma(across2_of(v, speed, space), rate, speed);
 }
 
+GN_INLINE int coheres(contact_law law) {
+    return law == LAW_cohesive || law == LAW_cohesive_rolling;
+}
+
 /* Tells whether the growth is computed, while the velocities are loaded. It is needed for the
- * dashpots of bonds, for the work of all dashpots in the ledger, and for the instant at which
- * dashpots of Hertz's law began to act. */
+ * dashpots of bonds, for the work of all dashpots in the ledger, and for the instants at which
+ * dashpots of Hertz's law and attractive forces began to act. */
 GN_INLINE int growth_known(variant with) {
-    return with.damping &&
-           (with.bonds || with.energy || with.law == LAW_hertz || with.law == LAW_hertz_rolling);
+    return coheres(with.law) ||
+           (with.damping &&
+            (with.bonds || with.energy || with.law == LAW_hertz || with.law == LAW_hertz_rolling));
 }
 
 /* Returns the velocity at which the contact opens; the normal of `geometry` has unit length. */

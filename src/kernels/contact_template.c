@@ -150,6 +150,52 @@ GN_INLINE void measure_contact(lane_sums *sums, const pair_geometry *geometry, g
     sums->carrying = sums->carrying + gn_keep(gn_less(gn_set(0.0), size), gn_set(1.0));
 }
 
+/* Forces of a vector of contacts, for the sums of the structure. */
+typedef struct structure_lanes {
+    _Alignas(64) gn_real n[3][GN_W], normal[GN_W], shear[GN_W], limit[GN_W];
+} structure_lanes;
+
+/* Adds to the sums of the structure; in rows of the history only. A sliding contact is at its limit
+ * up to rounding. */
+static __attribute__((noinline, unused)) void add_structure(const gn_contact_args *args, size_t c,
+                                                            size_t end, const structure_lanes *l,
+                                                            gn_contact_sums *sums) {
+    const gn_contacts *k = args->contacts;
+    for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) {
+        const size_t at = c + lane;
+        const bool bond = k->cause && k->cause[at] == GN_INTACT;
+        if (!bond && !(l->normal[lane] != 0 || l->shear[lane] > 0)) continue;
+        const double ends =
+            (double)gn_in_structure(&args->structure, args->pos + 4 * (size_t)k->i[at]) +
+            (double)gn_in_structure(&args->structure, args->pos + 4 * (size_t)k->j[at]);
+        const bool slides = l->shear[lane] > 0 && l->shear[lane] >= l->limit[lane] * (1 - 1e-6);
+        sums->ends += ends;
+        if (!bond) sums->loose_ends += ends;
+        if (!bond && slides) sums->sliding_ends += ends;
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                sums->fabric[3 * a + b] += ends * (double)l->n[a][lane] * (double)l->n[b][lane];
+    }
+}
+
+GN_INLINE void read_structure(const gn_contact_args *args, size_t c, size_t end, gn_v3 n,
+                              const contact_force *f, gn_contact_sums *sums, variant with) {
+    const gn_v zero = gn_set(0.0);
+    structure_lanes l;
+    gn_v shear = zero, limit = zero;
+    if (with.shear) shear = gn_sqrt(gn_dot(f->shear, f->shear, with.space));
+    if (with.friction)
+        limit = gn_load(COLUMN(args->contacts, mu) + gn_column_at(c, args->uniform.mu)) *
+                gn_max(f->beside - f->normal, zero);
+    gn_store(l.n[0], n.x);
+    gn_store(l.n[1], n.y);
+    gn_store(l.n[2], gn_pick(with.space, n.z, zero));
+    gn_store(l.normal, f->normal);
+    gn_store(l.shear, shear);
+    gn_store(l.limit, limit);
+    add_structure(args, c, end, &l, sums);
+}
+
 GN_INLINE void law_trial(const gn_contact_args *args, size_t c, const brief *from, stage *vector,
                          variant with) {
 #define X(name, ...)                                                                               \
@@ -179,11 +225,13 @@ GN_INLINE void find_forces(const gn_contact_args *args, size_t c, size_t end, co
         if (with.rotation) moment = gn_cross(p->n, f.shear, with.space);
     }
     if (args->measure) measure_contact(lanes, p, force, with);
+    if (__builtin_expect(args->structure.used, 0))
+        read_structure(args, c, end, p->n, &f, sums, with);
     write_rows(out, force, moment, with);
 }
 
 GN_INLINE int rolls(contact_law law) {
-    return law == LAW_rolling || law == LAW_hertz_rolling;
+    return law == LAW_rolling || law == LAW_hertz_rolling || law == LAW_cohesive_rolling;
 }
 
 /* Tells whether contacts also exert a couple: equal and opposite moments on both particles. */
@@ -313,12 +361,17 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
 /* In mixed precision the initial branch contains the period. Hertz's law applies to spheres only;
- * rolling requires rotation; joints are in double precision. */
-#define IS_HERTZ(law)  (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling)
-#define IS_ROLLED(law) (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling)
+ * rolling requires rotation; volumes of liquid and joints need double precision. */
+#define IS_COHESIVE(law) (LAW_##law == LAW_cohesive || LAW_##law == LAW_cohesive_rolling)
+#define IS_HERTZ(law)    (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling || IS_COHESIVE(law))
+#define IS_ROLLED(law)                                                                             \
+    (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling ||                                 \
+     LAW_##law == LAW_cohesive_rolling)
 #define ABSENT(options, law, shear, friction, bonds)                                               \
     (((options)&NOT_BUILT) || (IS_HERTZ(law) && !GN_BIT(options, 0)) ||                            \
-     (IS_ROLLED(law) && !GN_BIT(options, 1)) || (GN_MIXED && LAW_##law == LAW_joint) ||            \
+     (IS_ROLLED(law) && !GN_BIT(options, 1)) ||                                                    \
+     (IS_COHESIVE(law) && (GN_MIXED || !GN_BUILT(COHESION))) ||                                    \
+     (GN_MIXED && LAW_##law == LAW_joint) ||                                                       \
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
@@ -336,8 +389,10 @@ GN_CONTACT_KINDS(X)
 #define KINDS_OF_PART GN_CONTACT_KINDS_0
 #elif GN_PART == 1
 #define KINDS_OF_PART GN_CONTACT_KINDS_1
-#else
+#elif GN_PART == 2
 #define KINDS_OF_PART GN_CONTACT_KINDS_2
+#else
+#define KINDS_OF_PART GN_CONTACT_KINDS_3
 #endif
 
 /* All options of a kind share one body per dimension and rotation: damping, energies and periods

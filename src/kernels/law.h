@@ -63,6 +63,8 @@ typedef struct gn_hertz_pair {
     double modulus, shear_modulus; /* Pa: E*, G* */
     double damping;                /* c_n/sqrt(m S_n) */
     double friction, rolling, twisting;
+    int cohesion;    /* gn_cohesion */
+    double adhesion; /* J/m2 = N/m: w, with liquid gamma cos theta; see cohesion.h */
 } gn_hertz_pair;
 
 /* Contact parameters of a wall or a surface. If several contacts share a stiffness, `part` is the
@@ -99,6 +101,8 @@ typedef struct gn_touch {
     double *roll;
     size_t roll_stride;
     double *couple; /* [3] */
+    /* with GN_FX_COHESION, in and out: see the column `bridge`; m3, liquid on the particle */
+    double *bridge, *film;
 } gn_touch;
 
 /* The step that led to the contact's instant. */
@@ -106,7 +110,8 @@ typedef struct gn_touch_step {
     double dt;               /* s */
     double damping_fraction; /* fraction of the critical damping */
     bool damping, space, spins;
-    bool pulls; /* Hertz's law: the dashpot may cause tension */
+    bool pulls;     /* Hertz's law: the dashpot may cause tension */
+    double rupture; /* (1 + theta/2)^3, see cohesion.h */
 } gn_touch_step;
 
 /* Returns the inverse of the mass to which a dashpot refers, 1/kg. */
@@ -249,6 +254,17 @@ gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_ma
 double gn_hertz_touch_stored(const gn_touch_side *side, double normal, double shear2);
 double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                       double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums);
+/* The normal force of a wall contact without its dashpot, and the circle of the contact. */
+typedef struct gn_touch_press {
+    double normal; /* N, tension positive */
+    double beside; /* N, the attraction that presses the solids in addition to -normal */
+    double root;   /* m^1/2, root of the overlap, or what takes its place */
+    double stored; /* J */
+} gn_touch_press;
+/* Returns the force of a wall contact whose normal force is given, as `touch` does. */
+double gn_hertz_touch_by(const gn_touch_step *step, const gn_touch_side *side,
+                         const gn_touch *touch, const gn_touch_press *press, double *fd,
+                         double *shear, size_t stride, double t[3], gn_contact_sums *sums);
 /* Returns the contact circle's area, pi R overlap. */
 double gn_hertz_area(const gn_law_pair *pair, double overlap);
 #define GN_HERTZ_FUNCTIONS                                                                         \
@@ -257,6 +273,20 @@ double gn_hertz_area(const gn_law_pair *pair, double overlap);
     .criterion = gn_linear_criterion, .slips = gn_linear_slips,                                    \
     .touch_spring = gn_hertz_touch_spring, .touch_stored = gn_hertz_touch_stored,                  \
     .area = gn_hertz_area
+
+/* Resistance to rolling (law_rolling.c) for laws with Hertz's springs: parameters of a pair; the
+ * moments of a contact; those at a wall, where `root` and `past` are the root of the overlap and
+ * the inverse of the last one, and the solids press each other with `pressed` >= 0, N. */
+void gn_rolling_set(const gn_law_pair *pair, gn_contacts *list, size_t c);
+gn_law_moments gn_hertz_moments(const gn_contacts *list, size_t c, const double n[3]);
+void gn_hertz_touch_roll(const gn_touch_step *step, const gn_touch_side *side,
+                         const gn_touch *touch, double pressed, double root, double past,
+                         gn_contact_sums *sums);
+
+/* Returns the largest attraction A, N, and the length, m, of cohesion.h for a pair whose work of
+ * adhesion (or gamma cos theta) is `adhesion`. `modulus`: E*, Pa; `radius`: reduced, m. */
+double gn_cohesion_most(int cohesion, double adhesion, double radius);
+double gn_cohesion_span(int cohesion, double adhesion, double modulus, double radius);
 
 /* Returns the parameters of two materials (`b` NULL: a rigid wall), with keys for this pair alone
  * (NULL: none). */

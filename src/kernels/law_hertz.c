@@ -34,6 +34,17 @@ static double damping_by(const gn_scene *scene, const gn_material *material) {
     return 2.0 * sqrt(5.0 / 6.0) * scene->damping_fraction;
 }
 
+/* Returns the work of adhesion of two materials; one side of a rigid wall counts as the
+ * particle's. */
+static double adhesion_of(const gn_scene *scene, const gn_material *a, const gn_material *b,
+                          const gn_contact_def *own) {
+    if (scene->cohesion == GN_COHESION_NONE) return 0.0;
+    if (scene->cohesion == GN_COHESION_LIQUID)
+        return scene->surface_tension * cos(scene->contact_angle);
+    if (own && own->adhesion != GN_COMBINED) return own->adhesion;
+    return b ? sqrt(a->adhesion) * sqrt(b->adhesion) : a->adhesion;
+}
+
 gn_hertz_pair gn_hertz_pair_of(const gn_scene *scene, const gn_material *a, const gn_material *b,
                                const gn_contact_def *own) {
     const gn_material *side[] = {a, b};
@@ -48,6 +59,8 @@ gn_hertz_pair gn_hertz_pair_of(const gn_scene *scene, const gn_material *a, cons
     }
     p.modulus = 1.0 / give;
     p.shear_modulus = 1.0 / give_across;
+    p.cohesion = (int)scene->cohesion;
+    p.adhesion = adhesion_of(scene, a, b, own);
     p.rolling = a->rolling_friction;
     p.twisting = a->twisting_friction;
     if (b) p.friction = gn_smaller(a->friction, b->friction);
@@ -208,12 +221,12 @@ static double touch_shear(const gn_touch_step *step, const gn_touch_side *side,
     return gn_hertz_lost(before, now, way, past, closeness, kt, 1);
 }
 
-double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
-                      double *fd, double *shear, size_t stride, double t[3],
-                      gn_contact_sums *sums) {
+double gn_hertz_touch_by(const gn_touch_step *step, const gn_touch_side *side,
+                         const gn_touch *touch, const gn_touch_press *press, double *fd,
+                         double *shear, size_t stride, double t[3], gn_contact_sums *sums) {
     double overlap = touch->gap < -touch->rounding ? -touch->gap : 0.0;
     gn_hertz_press p = gn_hertz_normal(kn_of(side), overlap);
-    double total = p.normal, elastic = gn_hertz_stored(p.normal, overlap);
+    double total = press->normal, elastic = press->stored;
     if (step->damping) {
         double viscous = touch_viscous(step, side, touch, &p);
         if (fd) {
@@ -223,13 +236,24 @@ double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, cons
         total += viscous;
     }
     t[0] = t[1] = t[2] = 0.0;
+    p.root = press->root;
     if (shear)
-        sums->friction +=
-            touch_shear(step, side, touch, &p, side->hertz.friction * fmax(-total, 0.0), shear,
-                        stride, t, &elastic);
+        sums->friction += touch_shear(step, side, touch, &p,
+                                      side->hertz.friction * fmax(press->beside - total, 0.0),
+                                      shear, stride, t, &elastic);
     sums->elastic_normal += elastic;
     sums->pressed += overlap > touch->checked_overlap;
     return total;
+}
+
+double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
+                      double *fd, double *shear, size_t stride, double t[3],
+                      gn_contact_sums *sums) {
+    double overlap = touch->gap < -touch->rounding ? -touch->gap : 0.0;
+    gn_hertz_press p = gn_hertz_normal(kn_of(side), overlap);
+    gn_touch_press press = {
+        .normal = p.normal, .root = p.root, .stored = gn_hertz_stored(p.normal, overlap)};
+    return gn_hertz_touch_by(step, side, touch, &press, fd, shear, stride, t, sums);
 }
 
 const gn_law gn_law_hertz = {GN_HERTZ_FUNCTIONS, .set = gn_hertz_set, .touch = gn_hertz_touch};

@@ -122,7 +122,7 @@ GN_INLINE contact_force hertz_force(const gn_contact_args *args, size_t c, size_
     gn_hertz_press p = gn_hertz_normal(kn, overlap);
     gn_m over = gn_less(gn_load(COLUMN(k, most) + c), overlap);
     if (__builtin_expect(gn_bits(over) != 0, 0)) count_pressed(gn_bits(over), c, end, sums);
-    contact_force f = {p.normal, {zero, zero, zero}};
+    contact_force f = {p.normal, {zero, zero, zero}, zero};
     if (with.damping)
         f.normal = p.normal + hertz_viscous(args, c, vector, kn, beyond, &p, lanes, with);
     if (with.shear) f.shear = hertz_shear(args, c, vector, &p, f.normal, touching, lanes, with);

@@ -410,7 +410,7 @@ GN_INLINE contact_force act_of(const gn_contact_args *args, size_t c, const stag
     }
     if (with.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, state->t, with.space);
     if (args->measure && with.energy) book_elastic(state, sums, with);
-    return (contact_force){total, state->t};
+    return (contact_force){total, state->t, gn_set(0.0)};
 }
 
 GN_INLINE contact_force linear_force(const gn_contact_args *args, size_t c, size_t end,

@@ -8,7 +8,7 @@
 
 /* --- parameters --- */
 
-static void add_roll(const gn_law_pair *pair, gn_contacts *list, size_t c) {
+void gn_rolling_set(const gn_law_pair *pair, gn_contacts *list, size_t c) {
     double radius = pair->ri * pair->rj / (pair->ri + pair->rj);
     double rolling = GN_OWN(pair, rolling_friction,
                             gn_smaller(pair->a->rolling_friction, pair->b->rolling_friction));
@@ -22,13 +22,13 @@ static void add_roll(const gn_law_pair *pair, gn_contacts *list, size_t c) {
 static void set_linear(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                        size_t c) {
     gn_linear_set(model, pair, list, c);
-    add_roll(pair, list, c);
+    gn_rolling_set(pair, list, c);
 }
 
 static void set_hertz(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                       size_t c) {
     gn_hertz_set(model, pair, list, c);
-    add_roll(pair, list, c);
+    gn_rolling_set(pair, list, c);
 }
 
 /* --- forces and energy of a contact --- */
@@ -55,7 +55,7 @@ static gn_law_moments linear_moments(const gn_contacts *list, size_t c, const do
     return moments_of(list, c, kr, kr);
 }
 
-static gn_law_moments hertz_moments(const gn_contacts *list, size_t c, const double n[3]) {
+gn_law_moments gn_hertz_moments(const gn_contacts *list, size_t c, const double n[3]) {
     (void)n;
     double kr = list->kt[c] * list->reduced[c] * list->reduced[c];
     double closeness = gn_column_value(list->closeness, list->closeness_f, c);
@@ -118,16 +118,22 @@ static double touch_linear(const gn_touch_step *step, const gn_touch_side *side,
     return total;
 }
 
+void gn_hertz_touch_roll(const gn_touch_step *step, const gn_touch_side *side,
+                         const gn_touch *touch, double pressed, double root, double past,
+                         gn_contact_sums *sums) {
+    grip g = {8.0 * side->hertz.shear_modulus * sqrt(side->radius), root, past,
+              root > 0.0 ? 1.0 / root : 0.0};
+    if (touch->closeness) *touch->closeness = g.now; /* also needed without friction */
+    if (touch->roll && step->spins) touch_roll(step, side, touch, pressed, &g, sums);
+}
+
 static double touch_hertz(const gn_touch_step *step, const gn_touch_side *side,
                           const gn_touch *touch, double *fd, double *shear, size_t stride,
                           double t[3], gn_contact_sums *sums) {
     double past = touch->closeness ? *touch->closeness : 0.0;
     double total = gn_hertz_touch(step, side, touch, fd, shear, stride, t, sums);
     double root = touch->gap < -touch->rounding ? sqrt(-touch->gap) : 0.0;
-    grip g = {8.0 * side->hertz.shear_modulus * sqrt(side->radius), root, past,
-              root > 0.0 ? 1.0 / root : 0.0};
-    if (touch->closeness) *touch->closeness = g.now; /* also needed without friction */
-    if (touch->roll && step->spins) touch_roll(step, side, touch, pressing(touch, total), &g, sums);
+    gn_hertz_touch_roll(step, side, touch, pressing(touch, total), root, past, sums);
     return total;
 }
 
@@ -139,4 +145,4 @@ const gn_law gn_law_rolling = {GN_LINEAR_SPRINGS,
                                .touch = touch_linear,
                                .moments = linear_moments};
 const gn_law gn_law_hertz_rolling = {GN_HERTZ_FUNCTIONS, .set = set_hertz, .touch = touch_hertz,
-                                     .moments = hertz_moments};
+                                     .moments = gn_hertz_moments};

@@ -348,7 +348,7 @@ GN_INLINE contact_force softening_force(const gn_contact_args *args, size_t c, s
         lanes->elastic_normal = lanes->elastic_normal +
                                 gn_keep(s.crossing, gn_set(0.5) * (s.stored - q.normal * q.way));
     }
-    return (contact_force){total, q.t};
+    return (contact_force){total, q.t, gn_set(0.0)};
 }
 
 #endif

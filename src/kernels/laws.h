@@ -13,6 +13,8 @@
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
     X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
+    X(cohesive_rolling, GN_FX_HERTZ | GN_FX_COHESION | GN_FX_ROLLING, GN_LAW_OF_PAIRS)             \
+    X(cohesive, GN_FX_HERTZ | GN_FX_COHESION, GN_LAW_OF_PAIRS)                                     \
     X(hertz_rolling, GN_FX_HERTZ | GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                 \
     X(hertz, GN_FX_HERTZ, GN_LAW_OF_PAIRS)                                                         \
     X(rolling, GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                                     \
@@ -40,19 +42,25 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS, GN_LAW_OF_JOINTS };
     X(11, hertz, hertz, hertz, 0, 0, 0)                                                            \
     X(12, hertz_frictional, hertz_frictional, hertz, 1, 1, 0)                                      \
     X(13, rolling, rolling, rolling, 1, 1, 0)                                                      \
-    X(14, hertz_rolling, hertz_rolling, hertz_rolling, 1, 1, 0)                                    \
-    X(15, joint, joint, joint, 1, 0, 1)                                                            \
-    X(16, joint_frictional, joint, joint, 1, 1, 1)
+    X(14, hertz_rolling, hertz_rolling, hertz_rolling, 1, 1, 0)
+#define GN_CONTACT_KINDS_3(X)                                                                      \
+    X(15, cohesive, cohesive, cohesive, 0, 0, 0)                                                   \
+    X(16, cohesive_frictional, cohesive_frictional, cohesive, 1, 1, 0)                             \
+    X(17, cohesive_rolling, cohesive_rolling, cohesive_rolling, 1, 1, 0)                           \
+    X(18, joint, joint, joint, 1, 0, 1)                                                            \
+    X(19, joint_frictional, joint, joint, 1, 1, 1)
 #define GN_CONTACT_KINDS(X)                                                                        \
     GN_CONTACT_KINDS_0(X)                                                                          \
     GN_CONTACT_KINDS_1(X)                                                                          \
-    GN_CONTACT_KINDS_2(X)
+    GN_CONTACT_KINDS_2(X)                                                                          \
+    GN_CONTACT_KINDS_3(X)
 
 #endif
 
 #ifdef GN_LAW_FORCES
 #undef GN_LAW_FORCES
 #include "kernels/law_beam.h"
+#include "kernels/law_cohesive.h"
 #include "kernels/law_hertz.h"
 #include "kernels/law_joint.h"
 #include "kernels/law_linear.h"

@@ -81,30 +81,44 @@ static gneiss_status fail(const gn_step_context *ctx, const char *key, gneiss_er
                    gn_scene_at(&ctx->scene, ctx->scene.test.where, key).text, text);
 }
 
+/* Refuses a path of the means that is empty, or along which the tool leaves the rock or reaches
+ * held particles; `held`: they come first. */
+static gneiss_status check_path(const gn_step_context *ctx, const gn_cutting *c, double exit,
+                                bool held, gneiss_error *error) {
+    const char *where =
+        held ? "reaches particles that are held along the cut" : "begins to leave the rock";
+    if (!(exit > c->begin))
+        return fail(ctx, "test.run_in", error,
+                    "expected a tool that is in the rock after run_in, found that its contact %s "
+                    "after a path of %.6g m, at or before %.6g m",
+                    where, fmax(0.0, exit), c->begin);
+    if (c->end > exit * (1.0 + 1e-9))
+        return fail(ctx, "test.length", error,
+                    "expected at most %.6g m, after which the contact of the tool %s, found %.6g m",
+                    exit - c->begin, where, c->end - c->begin);
+    return GNEISS_OK;
+}
+
 /* Finds the path of the means: from where the whole contact is in the particles to where it begins
- * to leave them, unless the scene gives it. The contact of a disc reaches ahead of its axis. */
-static gneiss_status find_path(gn_step_context *ctx, const gn_boundary *boundary, gn_cutting *c,
-                               gneiss_error *error) {
+ * to leave them, or to some depths before held particles that it reaches later, unless the scene
+ * gives it. The contact of a disc reaches ahead of its axis. */
+static gneiss_status find_path(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                               gn_cutting *c, gneiss_error *error) {
     const gn_test *t = &ctx->scene.test;
     const int axis = (int)t->axis;
     const double radius = radius_of(ctx), ahead = radius > 0.0 ? radius * sin(arc_of(ctx)) : 0.0,
                  start = boundary->bodies[tool_of(ctx)].start[axis];
-    const double entry = c->direction > 0.0 ? ctx->lower[axis] - start : start - ctx->upper[axis],
-                 exit = (c->direction > 0.0 ? ctx->upper[axis] - start : start - ctx->lower[axis]) -
-                        ahead;
+    const double entry = c->direction > 0.0 ? ctx->lower[axis] - start : start - ctx->upper[axis];
+    const double exit =
+        (c->direction > 0.0 ? ctx->upper[axis] - start : start - ctx->lower[axis]) - ahead;
+    double held = gn_cutting_path_to_held(ctx, dem, boundary, c);
     c->begin = t->given.run_in > 0.0 ? t->given.run_in : fmax(0.0, entry);
-    c->end = t->given.length > 0.0 ? c->begin + t->given.length : exit;
+    held = held > c->begin ? held : INFINITY; /* gn_cutting_doubts reports particles before that */
+    const double clear = held - GN_CUT_DEPTHS_TO_HELD * t->given.depth;
+    c->end = t->given.length > 0.0 ? c->begin + t->given.length
+                                   : fmin(exit, clear > c->begin ? clear : held);
     ctx->test_length = c->end;
-    if (!(exit > c->begin))
-        return fail(ctx, "test.run_in", error,
-                    "expected a tool that is in the rock after run_in, found that its contact "
-                    "begins to leave the rock after a path of %.6g m, at or before %.6g m",
-                    fmax(0.0, exit), c->begin);
-    if (c->end <= exit * (1.0 + 1e-9)) return GNEISS_OK;
-    return fail(ctx, "test.length", error,
-                "expected at most %.6g m, after which the contact of the tool begins to leave the "
-                "rock, found %.6g m",
-                exit - c->begin, t->given.length);
+    return check_path(ctx, c, fmin(exit, held), held < exit, error);
 }
 
 static gneiss_status check_inside(const gn_step_context *ctx, const gn_dem *dem,
@@ -141,7 +155,7 @@ gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn
     c->loose = c->solid - gn_dem_anchored_volume(ctx, dem);
     GN_TRY(check_inside(ctx, dem, boundary, error));
     gn_cutting_find_track(ctx, boundary, c);
-    return c->direction != 0.0 ? find_path(ctx, boundary, c, error) : GNEISS_OK;
+    return c->direction != 0.0 ? find_path(ctx, dem, boundary, c, error) : GNEISS_OK;
 }
 
 /* --- path and forces --- */

@@ -63,9 +63,17 @@ double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const g
 /* Returns the part of that volume whose particles began beside the track of the tool, m3; 0 in 2D.
  */
 double gn_cutting_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *cutting);
+/* Number of depths of cut before held particles at which the path of the means ends unless the
+ * scene gives it: nearer to them rock between them and the tool cannot move away. */
+#define GN_CUT_DEPTHS_TO_HELD 2.0
+
 /* Finds the track of the tool. */
 void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *boundary,
                            gn_cutting *cutting);
+/* Returns the path of the tool after which its part in the rock reaches particles whose velocity
+ * along the cut sets prescribe, m; infinite: none is in its way. It needs the track. */
+double gn_cutting_path_to_held(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_cutting *cutting);
 /* Describes the cut for its readings. */
 gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_cutting *cutting);
@@ -85,6 +93,7 @@ typedef enum gn_cutting_doubt {
     GN_CUT_SKEW,      /* a disc cutter whose axis is not across the cut */
     GN_CUT_BESIDE,    /* the tool passes beside the rock */
     GN_CUT_WIDE,      /* the tool or the spacing is wider than the rock */
+    GN_CUT_HELD,      /* the path ends close before held particles */
     GN_CUT_VALUES,    /* strengths in the wrong order, a window longer than the path */
     GN_CUT_PARTICLES, /* too few particles over the depth */
     GN_CUT_RESERVE,   /* elements around the tool cannot convert along the whole path */

@@ -116,8 +116,7 @@ static void follow_scene(const cut *q, const gn_scene *scene, double from, doubl
  */
 static void start_table(void *context, gn_table *table) {
     const course *c = context;
-    for (size_t k = 0; k < table->count && table->stage; k++)
-        table->time[k] += c->start[table->stage - 1];
+    if (table->stage) gn_table_delay(table, c->start[table->stage - 1]);
 }
 
 /* Follows the prescribed motion through all stages; returns false if the duration of a stage before
@@ -263,6 +262,45 @@ void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *bounda
     c->track[1] = met ? high[q.side] : 0.0;
 }
 
+/* Tells whether a particle lies, at the start, in the section that the tool cuts. */
+static bool is_in_track(const cut *q, const double *place) {
+    const double radius = place[3],
+                 top = q->state->outward * (place[q->normal] - q->state->surface) + radius;
+    if (top < -q->ctx->scene.test.given.depth) return false;
+    return q->ctx->scene.dimension == 2 || (place[q->side] + radius > q->state->track[0] &&
+                                            place[q->side] - radius < q->state->track[1]);
+}
+
+double gn_cutting_path_to_held(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_cutting *c) {
+    const cut q = cut_of(ctx, dem, boundary, c);
+    const gn_particles *particles = &dem->particles;
+    double low[3], high[3], least = INFINITY;
+    extent_in_rock(&q, 0.0, low, high);
+    const double front = c->direction > 0.0 ? high[q.axis] : -low[q.axis];
+    for (size_t p = 0; p < particles->soa.count && dem->prescribed.count; p++) {
+        const int32_t slot = particles->slot[p];
+        const double *place = particles->start + 4 * p;
+        const double ahead = c->direction * place[q.axis] - front;
+        if (slot < 0 || !(dem->prescribed.mask[slot] & 1u << q.axis)) continue;
+        if (ahead > 0.0 && is_in_track(&q, place)) least = fmin(least, ahead - place[3]);
+    }
+    return fmax(0.0, least);
+}
+
+static bool is_held(const cut *q, char *text, size_t size) {
+    const double held = gn_cutting_path_to_held(q->ctx, q->dem, q->boundary, q->state),
+                 least = GN_CUT_DEPTHS_TO_HELD * q->ctx->scene.test.given.depth;
+    if (q->state->direction == 0.0 || held - q->state->end >= least * (1.0 - 1e-9)) return false;
+    snprintf(text, size,
+             "%s: after a path of %.4g m the tool reaches particles that are held along the cut, "
+             "and the path of the means ends at %.4g m: nearer to them than %g depths (%.4g m) "
+             "rock cannot move away, so that forces rise and the run may fail (a smaller "
+             "test.length, or sets that do not hold what is in the way)",
+             q->place.text, held, q->state->end, GN_CUT_DEPTHS_TO_HELD, least);
+    return true;
+}
+
 /* Finds the side of couple.convert.box that the zone around the tool reaches first. Sides at the
  * surface of the body do not count. Returns the path of the tool up to this, m; infinite: there is
  * no such side. */
@@ -340,11 +378,11 @@ static bool is_coarse(const cut *q, char *text, size_t size) {
 bool gn_cutting_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_cutting *c, gn_cutting_doubt doubt, char *text, size_t size) {
     static bool (*const applies[GN_CUT_DOUBTS])(const cut *, char *, size_t) = {
-        [GN_CUT_LOCKED] = is_locked,       [GN_CUT_SKEW] = is_skew,
-        [GN_CUT_BESIDE] = is_beside,       [GN_CUT_WIDE] = is_wide,
-        [GN_CUT_VALUES] = has_odd_values,  [GN_CUT_PARTICLES] = is_coarse,
-        [GN_CUT_RESERVE] = leaves_reserve, [GN_CUT_DEPTH] = depth_differs,
-        [GN_CUT_SHORT] = is_short};
+        [GN_CUT_LOCKED] = is_locked,    [GN_CUT_SKEW] = is_skew,
+        [GN_CUT_BESIDE] = is_beside,    [GN_CUT_WIDE] = is_wide,
+        [GN_CUT_HELD] = is_held,        [GN_CUT_VALUES] = has_odd_values,
+        [GN_CUT_PARTICLES] = is_coarse, [GN_CUT_RESERVE] = leaves_reserve,
+        [GN_CUT_DEPTH] = depth_differs, [GN_CUT_SHORT] = is_short};
     const cut q = cut_of(ctx, dem, boundary, c);
     return applies[doubt](&q, text, size);
 }

@@ -29,6 +29,7 @@
     X(damage, LOST, "dissipated by bonds that soften")                                             \
     X(plasticity, LOST, "dissipated by bonds that yield under pressure")                           \
     X(rolling, LOST, "dissipated by resistance to rolling and twisting")                           \
+    X(cohesion, LOST, "dissipated by attractive contacts that form and separate")                  \
     X(removed, LOST, "energy of removed particles")                                                \
     X(conversion, LOST, "energy of converted elements minus that of their particles")
 

@@ -42,8 +42,7 @@ typedef struct gn_pack_result {
     /* false: the time limit ended the fit, so that the result depends on the machine */
     bool in_time;
     bool from_cache;
-    char changes[GN_MESH_CHANGES_SIZE]; /* gn_mesh_changed of the body's file; "": nothing, or from
-                                           the cache */
+    char changes[GN_MESH_CHANGES_SIZE]; /* gn_mesh_changed of the body's file; "": nothing */
     size_t trace_count;
     gn_pack_trace *trace; /* gn_alloc'ed */
 } gn_pack_result;

@@ -253,6 +253,12 @@ static void size_moments(const source *generator, double *first, double *last) {
     *last = sum_d / weight;
 }
 
+/* Tells whether the body is from a file whose lengths may have another unit. */
+static bool takes_metres(const gn_scene *scene) {
+    const gn_shape_kind shape = scene->specimen.pack.shape;
+    return (shape == GN_SHAPE_SURFACE || shape == GN_SHAPE_MESH) && !scene->specimen.scale_given;
+}
+
 static gneiss_status choose_count(source *generator, size_t *count, gneiss_error *error) {
     const gn_pack_def *def = &generator->scene->specimen.pack;
     double number = (double)def->count, first, last, factor;
@@ -275,8 +281,12 @@ static gneiss_status choose_count(source *generator, size_t *count, gneiss_error
     if (number * BYTES_PER_PARTICLE > have || number > 1e9)
         return gn_fail(error, GNEISS_ERROR_MEMORY,
                        "%.4g particles need about %.3g GB to be packed; this machine "
-                       "has %.3g GB",
-                       number, number * BYTES_PER_PARTICLE / 1e9, have / 1e9);
+                       "has %.3g GB%s",
+                       number, number * BYTES_PER_PARTICLE / 1e9, have / 1e9,
+                       takes_metres(generator->scene)
+                           ? " (without a scale the lengths of the file count as metres; scale: "
+                             "0.001 if they are millimetres)"
+                           : "");
     if (number < 4.0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected at least 4 particles in the body, found %.0f: the "

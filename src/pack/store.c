@@ -284,6 +284,15 @@ static gneiss_status check_spheres(const gn_pack_result *result, gneiss_error *e
     return GNEISS_OK;
 }
 
+/* Files that older versions wrote have no changes. */
+static gneiss_status get_changes(const gn_h5 *file, gn_pack_result *result, gneiss_error *error) {
+    GN_FREED char *changes = NULL;
+    if (!gn_h5_has(file, "changes")) return GNEISS_OK;
+    GN_TRY(gn_h5_get_text(file, "changes", &changes, error));
+    snprintf(result->changes, sizeof result->changes, "%s", changes);
+    return GNEISS_OK;
+}
+
 static gneiss_status get_packing(const gn_h5 *file, const char *key, gn_pack_result *result,
                                  gneiss_error *error) {
     GN_FREED char *found = NULL;
@@ -296,6 +305,7 @@ static gneiss_status get_packing(const gn_h5 *file, const char *key, gn_pack_res
     GN_TRY(gn_h5_get(file, "sphere", GN_F64, p->count, 4, 0, p->sphere, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "volume", &result->volume, 1, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &result->seconds, 1, error));
+    GN_TRY(get_changes(file, result, error));
     result->in_time = result->from_cache = true;
     GN_TRY(check_spheres(result, error));
     return get_trace(file, result, error);
@@ -306,6 +316,7 @@ static gneiss_status get_packing(const gn_h5 *file, const char *key, gn_pack_res
 static gneiss_status put_packing(gn_h5 *file, const char *key, const gn_pack_result *result,
                                  gneiss_error *error) {
     GN_TRY(gn_h5_put_text(file, "key", key, error));
+    if (*result->changes) GN_TRY(gn_h5_put_text(file, "changes", result->changes, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "volume", &result->volume, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &result->seconds, 1, error));
     GN_TRY(gn_h5_put(file, "sphere", GN_F64, result->packing.count, 4, 0, result->packing.sphere,

@@ -309,7 +309,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
                          .count = block->end - block->begin,
                          .particles =
                              (size_t)(q->first[block->number + 1] - q->first[block->number]),
-                         .widening = 1.0 + 1e-9,
+                         .widening = 1.0 + 1e-9 + dem->verlet.reach,
                          .paths = n->paths,
                          .ahead = n->span.ahead,
                          .behind = more * (n->past.dt[0] + n->past.dt[1]),
@@ -425,6 +425,22 @@ void gn_active_pairs_work(const gn_step_context *ctx, gn_dem *dem, const gn_cont
 }
 
 /* --- access by other code --- */
+
+gn_contacts gn_active_pairs_block(const gn_dem *dem, size_t block) {
+    const gn_contacts *list = &dem->pairs.contacts;
+    const block_of_pairs b = block_at(&dem->near, list, dem->pairs.partials.length, block);
+    if (dem->near.unsettled) return packed(&dem->near, list, &b);
+    gn_contacts part = *list;
+    part.i += b.begin;
+    part.j += b.begin;
+    part.soa.count = b.end - b.begin;
+    for (size_t f = 0; f < gn_contact_record.field_count; f++) {
+        const gn_field *field = &gn_contact_record.fields[f];
+        if (!gn_field_active(field, list->soa.effects) || field->layout != GN_COLUMNS) continue;
+        if (field->type == GN_F64) *(double **)(void *)((char *)&part + field->offset) += b.begin;
+    }
+    return part;
+}
 
 void gn_active_pairs_settle(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_active_pairs *n = &dem->near;

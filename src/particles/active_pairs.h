@@ -103,6 +103,10 @@ size_t gn_active_pairs_bytes(const gn_dem *dem);
  * before columns that kernels write are read there. The state does not change, so that the
  * function also takes a constant world. */
 void gn_active_pairs_settle(const gn_step_context *ctx, const gn_dem *dem);
+/* Returns a view of the pairs of a block at the end of a step, whose columns may be changed: the
+ * packed pairs, if the block is packed, else all. Only i, j, the count, and columns that kernels
+ * write are valid. */
+gn_contacts gn_active_pairs_block(const gn_dem *dem, size_t block);
 /* To be called when something other than the step changes data: gn_active_pairs_repack if columns
  * of pairs change, gn_active_pairs_forget if velocities or positions do. */
 void gn_active_pairs_repack(const gn_step_context *ctx, gn_dem *dem);

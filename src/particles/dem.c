@@ -10,6 +10,7 @@
 #include "kernels/partials.h"
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
+#include "particles/bridges.h"
 #include "particles/events.h"
 #include "particles/flow.h"
 #include "particles/fragments.h"
@@ -171,6 +172,7 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
     GN_TRY(gn_pieces_create(ctx, dem, error));
     d->verlet.skin = ctx->scene.skin > 0.0 ? ctx->scene.skin : automatic_skin(ctx, dem);
     d->verlet.skin_start = d->verlet.skin;
+    gn_bridges_begin(ctx, dem);
     return check_period(ctx, dem, error);
 }
 
@@ -277,6 +279,8 @@ gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *de
         a.slot = dem->particles.slot;
         a.held = dem->prescribed.mask;
     }
+    a.cohesion = (int)ctx->scene.cohesion;
+    a.rupture = gn_bridge_rupture(&ctx->scene);
     a.time = ctx->time;
     a.measure = measure;
     return a;

@@ -188,6 +188,8 @@ void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_
  * bond are negative. */
 static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->mu) list->mu[c] = now->mu[c];
+    if (list->adhesion) list->adhesion[c] = now->adhesion[c];
+    if (list->span) list->span[c] = now->span[c];
     if (list->rolling) list->rolling[c] = now->rolling[c];
     if (list->twisting) list->twisting[c] = now->twisting[c];
     if (list->cause && !(list->kn[c] > 0.0)) return; /* released with a removed particle */

@@ -7,6 +7,7 @@
 #include "kernels/partials.h"
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
+#include "particles/bridges.h"
 #include "particles/dormant.h"
 #include "particles/joint_faces.h"
 #include "particles/joints.h"
@@ -103,7 +104,9 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     gn_pair_query query = {&dem->particles,
                            (int)ctx->scene.dimension,
                            dem->verlet.skin,
-                           dem->joint_faces ? gn_joint_reach(ctx, dem->joint_faces) - 1.0 : 0.0,
+                           fmax(dem->verlet.reach, dem->joint_faces
+                                                       ? gn_joint_reach(ctx, dem->joint_faces) - 1.0
+                                                       : 0.0),
                            ctx->effects & GN_FX_PERIODIC,
                            {ctx->period[0], ctx->period[1], ctx->period[2]},
                            ctx->threads};
@@ -119,6 +122,7 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
         fill_pairs(ctx, dem, &found, &now);
         gn_soa_destroy(&gn_contact_record, &dem->pairs.contacts);
         dem->pairs.contacts = now;
+        dem->verlet.reach = gn_bridges_reach(ctx, dem);
         status = gn_list_changed(ctx, dem, &dem->pairs, error);
     }
     gn_pair_list_free(&found);

@@ -30,6 +30,7 @@ typedef struct gn_verlet {
     double skin_start; /* m, value at the start */
     double widened;    /* m, the largest value that was needed beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
+    double reach; /* gap up to which listed pairs attract each other, over the sum of their radii */
     double closed; /* m, bound on how much two unlisted particles have approached each other since
                       then */
     int64_t rebuilds;

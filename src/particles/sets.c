@@ -13,45 +13,19 @@
 #include <math.h>
 #include <string.h>
 
-static bool in_end(const gn_step_context *ctx, const gn_set_def *set_def, const double *x) {
-    int axis = (int)set_def->end_axis;
-    double r = set_def->end_by_surface ? x[3] : 0.0;
-    return set_def->end_upper ? x[axis] + r >= ctx->upper[axis] - set_def->end_depth
-                              : x[axis] - r <= ctx->lower[axis] + set_def->end_depth;
-}
-
-static bool in_ids(const gn_set_def *set_def, int32_t id) {
-    for (size_t k = 0; k < set_def->id_count; k++)
-        if (set_def->ids[k] == id) return true;
-    return false;
-}
-
-static bool selected_at(const gn_step_context *ctx, const gn_set_def *set_def, const double *x,
-                        int32_t id) {
-    if (set_def->has_box)
-        for (int a = 0; a < (int)ctx->scene.dimension; a++) {
-            double seen = gn_point_out(ctx->scene.origin[a], x[a]);
-            if (seen < set_def->box_min[a] || seen > set_def->box_max[a]) return false;
-        }
-    if (set_def->end_axis >= 0 && !in_end(ctx, set_def, x)) return false;
-    return !set_def->id_count || in_ids(set_def, id);
-}
-
 static bool selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *set_def,
                      size_t p) {
-    return selected_at(ctx, set_def, dem->particles.pos + 4 * p, dem->particles.id[p]);
+    return gn_set_selects(ctx, set_def, dem->particles.pos + 4 * p, dem->particles.id[p]);
 }
 
-/* Selects by the position at the start, because particles in a periodic box have been moved by
- * whole periods since then. */
-bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
+bool gn_set_selected_in_box(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
     double x[4];
     memcpy(x, q->start + 4 * p, sizeof x);
-    for (int a = 0; ctx->step > 0 && a < (int)ctx->scene.dimension; a++)
+    for (int a = 0; a < (int)ctx->scene.dimension; a++)
         if (gn_scene_periodic_along(&ctx->scene, a))
             x[a] -= ctx->period[a] * floor((x[a] - ctx->scene.periodic_min[a]) / ctx->period[a]);
-    return selected_at(ctx, &ctx->scene.sets[set], x, q->id[p]);
+    return gn_set_selects(ctx, &ctx->scene.sets[set], x, q->id[p]);
 }
 
 static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
@@ -249,7 +223,7 @@ gneiss_status gn_sets_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     return GNEISS_OK;
 }
 
-gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+void gn_sets_push(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
     if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
     for (size_t k = 0; q->applied && k < ctx->scene.set_count; k++)
@@ -257,6 +231,10 @@ gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     if (q->load)
         memcpy(q->load, q->applied,
                q->soa.count * 4 * sizeof *q->load); /* load is added to the pressure */
+}
+
+gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_sets_push(ctx, dem);
     if (!(ctx->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     free_slots(dem);
     /* A jump of a velocity requires an impulse, whose work the kernel books. */

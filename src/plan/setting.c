@@ -15,8 +15,8 @@ const char *gn_plan_pace_refusal(const gn_scene *scene) {
             if (scene->elements.loads[k].traction[a].count > 1 ||
                 scene->elements.loads[k].force[a].count > 1)
                 return "a load of elements varies independently in time";
-    for (int a = 0; a < 3; a++)
-        if (scene->gravity[a] != 0.0) return "gravity acts independently of the loading speed";
+    if (gn_scene_has_gravity(scene)) return "gravity acts independently of the loading speed";
+    if (scene->formulas) return "a formula of t keeps its times";
     return NULL;
 }
 

@@ -33,6 +33,7 @@ static const gn_piece pieces[] = {
     DOUBLES(verlet.widened),
     DOUBLES(verlet.drift),
     DOUBLES(verlet.closed),
+    DOUBLES(verlet.reach),
     INTEGER(verlet.rebuilds),
     INTEGER(verlet.last_step),
     DOUBLES(derived),

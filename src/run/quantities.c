@@ -4,11 +4,14 @@
 #include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
+#include "measure/structure.h"
 #include "membrane/membrane.h"
+#include "particles/bridges.h"
 #include "soa/bond_causes.h"
 #include "solids/dormant_places.h"
 #include "timestep/timestep.h"
 #include "world/space.h"
+#include "world/structure.h"
 #include "zones/zones.h"
 
 #include <string.h>
@@ -37,6 +40,10 @@ HOLDS(has_opening, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.h
 HOLDS(has_control, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.has_control)
 HOLDS(has_membrane, world->ctx.effects &GN_FX_MEMBRANE)
 HOLDS(has_specimen, world->ctx.scene.has_specimen)
+HOLDS(has_volume_of_grains, world->ctx.scene.has_specimen &&gn_structure_has_volume(world))
+HOLDS(has_friction, world->ctx.effects &GN_FX_FRICTION)
+HOLDS(has_liquid,
+      world->ctx.effects &GN_FX_COHESION && world->ctx.scene.cohesion == GN_COHESION_LIQUID)
 HOLDS(has_bonds, world->ctx.effects &GN_FX_BONDS)
 HOLDS(has_ledger, world->ctx.effects &GN_FX_ENERGY)
 HOLDS(is_periodic, world->ctx.effects &GN_FX_PERIODIC)
@@ -69,7 +76,7 @@ static bool motion_drives(const gn_world *world, size_t k) {
 
 OF_KIND(has_ends, d->ends)
 OF_KIND(is_confined, d->confined)
-OF_KIND(has_volume, d->confined || d->isotropic)
+OF_KIND(has_volume, d->confined || d->isotropic || d->enclosed)
 OF_KIND(is_sheared, d->sheared)
 OF_KIND(is_disc, d->disc)
 
@@ -84,6 +91,10 @@ static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test
                           strained = {"without sources and sinks", has_average_strain, NULL},
                           central = {"in %s tests of particles", has_specimen, is_disc},
                           staged = {"with stages", has_stages, NULL},
+                          of_grains = {"with particles", has_specimen, NULL},
+                          porous = {"with particles in a known volume", has_volume_of_grains, NULL},
+                          rubbing = {"with friction between particles", has_friction, NULL},
+                          moist = {"with law.cohesion liquid", has_liquid, NULL},
                           bonded = {"with bonds", has_bonds, NULL},
                           booked = {"with the energy ledger", has_ledger, NULL},
                           raised = {"with mass scaling", has_added_mass, NULL},
@@ -135,8 +146,6 @@ static double lost_volume(const gn_world *world) {
     mean_strain(world, g);
     return -(g[0] + g[4] + g[8]);
 }
-READ(volumetric_strain, lost_volume(world))
-
 /* Returns the mean over the directions across the axis, compression positive. */
 static double lateral_strain(const gn_world *world) {
     double g[9], sum = 0.0;
@@ -160,8 +169,22 @@ static double hydrostatic_strain(const gn_world *world) {
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
+READ(volumetric_strain,
+     gn_scene_test(&world->ctx.scene)->enclosed ? hydrostatic_strain(world) : lost_volume(world))
+
+/* Returns the shortening of walls or box along the axis, else that of the average strain. */
+static double enclosed_strain(const gn_world *world) {
+    const int axis = (int)world->ctx.scene.test.axis;
+    const double walls = gn_space_shortening(&world->ctx, &world->boundary, &world->box, axis);
+    double strain[9];
+    if (!isnan(walls)) return walls;
+    mean_strain(world, strain);
+    return -strain[4 * axis];
+}
+
 READ(test_strain,
-     gn_scene_test(&world->ctx.scene)->isotropic ? hydrostatic_strain(world)
+     gn_scene_test(&world->ctx.scene)->isotropic  ? hydrostatic_strain(world)
+     : gn_scene_test(&world->ctx.scene)->enclosed ? enclosed_strain(world)
      : gn_scene_test(&world->ctx.scene)->tool
          ? gn_cutting_path(&world->ctx, &world->boundary, &world->cutting) / world->ctx.test_length
          : gn_ends_shortening(&world->ctx, &world->dem, &world->boundary, &world->solids,
@@ -171,6 +194,13 @@ READ(test_strain,
 static double mean_pressure(const gn_world *world) {
     const double *s = world->ledger.stress;
     return -(s[0] + s[4] + s[8]) / (double)world->ctx.scene.dimension;
+}
+
+/* Returns the stress along the axis less the mean of the others, compression positive. */
+static double deviator(const gn_world *world) {
+    const double *s = world->ledger.stress, d = (double)world->ctx.scene.dimension,
+                 along = -s[4 * world->ctx.scene.test.axis];
+    return along - (d * mean_pressure(world) - along) / (d - 1.0);
 }
 
 /* Returns the stress at an end. For confined specimens it is the deviator: the pressure on the part
@@ -191,7 +221,8 @@ static double cut_stress(const gn_world *world) {
     gn_cutting_force(&world->ctx, &world->boundary, &world->cutting, force);
     return force[GN_CUT_ROLLING] / world->ctx.test_area;
 }
-READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic ? mean_pressure(world)
+READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic  ? mean_pressure(world)
+                  : gn_scene_test(&world->ctx.scene)->enclosed ? deviator(world)
                   : gn_scene_test(&world->ctx.scene)->tool
                       ? cut_stress(world)
                       : 0.5 * (end_stress(world, false) + end_stress(world, true)))
@@ -292,6 +323,38 @@ static void read_returned_energy(const gn_world *world, size_t k, double *value)
 
 READ(elements, (double)gn_elements_left_count(&world->solids))
 
+READ(porosity, gn_structure_porosity(world))
+READ(coordination, gn_structure_coordination(world))
+READ(sliding, gn_structure_sliding(world))
+static void read_fabric(const gn_world *world, size_t k, double *value) {
+    (void)k;
+    gn_structure_fabric(world, value);
+}
+static gn_anisotropy anisotropy_of(const gn_world *world) {
+    double fabric[9];
+    gn_structure_fabric(world, fabric);
+    return gn_fabric_anisotropy((int)world->ctx.scene.dimension, fabric);
+}
+READ(anisotropy, anisotropy_of(world).degree)
+static void read_fabric_direction(const gn_world *world, size_t k, double *value) {
+    (void)k;
+    copy3(value, anisotropy_of(world).direction);
+}
+
+/* Returns the liquid of bridges with walls, m3. */
+static double liquid_at_walls(const gn_world *world) {
+    const gn_wall_contacts *list = &world->boundary.contacts;
+    double sum = 0.0;
+    for (size_t c = 0; c < list->soa.count; c++) sum += list->bridge[c];
+    return sum;
+}
+static double liquid_in_bridges(const gn_world *world) {
+    return gn_bridges_sum(&world->ctx, &world->dem).bridged + liquid_at_walls(world);
+}
+READ(bridges, (double)gn_bridges_sum(&world->ctx, &world->dem).bridges)
+READ(bridge_liquid, liquid_in_bridges(world))
+READ(liquid, liquid_in_bridges(world) + gn_bridges_sum(&world->ctx, &world->dem).films)
+
 #define SCALAR_UNLESS(absent, when, instant, name, unit, read, text)                               \
     { name, unit, text, GN_SCALAR, instant, &when, read, absent }
 #define SCALAR(when, instant, name, unit, read, text)                                              \
@@ -301,12 +364,13 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
-    SCALAR_UNLESS(no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-                  "travel of the ends over the length since contact of both (near unbonded grains: "
-                  "since the start), positive in the test's sense; hydrostatic: loss of volume"),
+    SCALAR_UNLESS(
+        no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
+        "travel of the ends over the length since contact of both (grains: since the start), in "
+        "the test's sense; hydrostatic: loss of volume; polyaxial: shortening"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
-           "mean force of both ends over the area (initial; in a box of walls present), positive "
-           "in the test's sense; confined: deviator; hydrostatic: mean pressure"),
+           "mean force of both ends over the area (initial; in a box of walls present), in the "
+           "test's sense; confined, polyaxial: deviator; hydrostatic: mean pressure"),
     SCALAR(ended, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
            "force on the lower end over the area"),
     SCALAR(ended, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
@@ -318,7 +382,7 @@ static const gn_quantity of_the_model[] = {
     SCALAR_UNLESS(
         no_strain, voluminous, GN_BEFORE_STEP, "volumetric_strain", "1", read_volumetric_strain,
         "trace of the average strain, the change of volume over volume while strains are small, "
-        "compression positive"),
+        "compression positive; polyaxial: loss of volume of the walls or box"),
     SCALAR_UNLESS(no_strain, confined, GN_BEFORE_STEP, "lateral_strain", "1", read_lateral_strain,
                   "average strain across the axis, mean of the directions, compression positive"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
@@ -351,6 +415,26 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a free particle over the mean force of loaded contacts, walls "
            "included; if larger, that of elements or free bodies; at most 1000; 0: none"),
+    SCALAR(porous, GN_BEFORE_STEP, "porosity", "1", read_porosity,
+           "1 - volume of the particles (overlaps count twice) over that of output.structure, or "
+           "over that to which stress refers"),
+    SCALAR(of_grains, GN_AFTER_STEP, "coordination", "1", read_coordination,
+           "mean number of contacts of a particle with others that carry a force or are intact "
+           "bonds; of the particles in output.structure"),
+    {"fabric", "1", "mean of n_a n_b over these contacts, n their normals; its trace is 1",
+     GN_TENSOR, GN_AFTER_STEP, &of_grains, read_fabric, NULL},
+    SCALAR(of_grains, GN_AFTER_STEP, "anisotropy", "1", read_anisotropy,
+           "largest principal value of the fabric minus the smallest: 0 without a preferred "
+           "direction, 1 if all contacts have the same"),
+    {"fabric_direction", "1", "unit vector of the largest principal value of the fabric", GN_VECTOR,
+     GN_AFTER_STEP, &of_grains, read_fabric_direction, NULL},
+    SCALAR(rubbing, GN_AFTER_STEP, "sliding", "1", read_sliding,
+           "share of contacts at their limit of friction in those that are not intact bonds"),
+    SCALAR(moist, GN_AFTER_STEP, "bridges", "1", read_bridges, "liquid bridges between particles"),
+    SCALAR(moist, GN_AFTER_STEP, "bridge_liquid", "m3", read_bridge_liquid,
+           "liquid in bridges, also with walls"),
+    SCALAR(moist, GN_AFTER_STEP, "liquid", "m3", read_liquid,
+           "liquid in bridges and films; constant but for rounding"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
            "number of particles; with couple.convert of the active ones: those of converted "
            "elements and of the zone around them"),

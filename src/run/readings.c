@@ -77,7 +77,6 @@ static double by_ends(const gn_world *world) {
 
 static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool over) {
     const gn_test *t = &world->ctx.scene.test;
-    const double *g = world->ctx.scene.gravity;
     const gn_fragments pieces = gn_dem_fragments(&world->ctx, &world->dem);
     return (gn_tested){
         .kind = t->kind,
@@ -87,7 +86,7 @@ static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool o
         .notched = t->given.notch > 0.0,
         .by_ends = by_ends(world),
         .by_mean = gn_section_by_mean(&world->ctx, &world->dem, &world->solids, &world->section),
-        .under_gravity = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+        .under_gravity = gn_scene_has_gravity(&world->ctx.scene),
         .conversion_halted = !over && world->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,
@@ -173,10 +172,12 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         if (rows) part->columns[c].value += begin;
         if (!rows || !counts_from_start(all->columns[c].name)) continue;
         const double *from = part->columns[c].value;
-        const bool volume = gn_scene_test(&run->world.ctx.scene)->isotropic &&
-                            strcmp(all->columns[c].name, "strain") == 0;
-        const double left =
-            volume ? 1.0 - from[0] : 1.0; /* remaining volume, to which a loss is relative */
+        const gn_test_descriptor *d = gn_scene_test(&run->world.ctx.scene);
+        const bool relative =
+            ((d->isotropic || d->enclosed) && strcmp(all->columns[c].name, "strain") == 0) ||
+            (d->enclosed && strcmp(all->columns[c].name, "volumetric_strain") == 0);
+        /* The remaining volume or length, to which a loss is relative. */
+        const double left = relative ? 1.0 - from[0] : 1.0;
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;
         part->columns[c].value = values;
         values += rows;

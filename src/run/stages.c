@@ -52,12 +52,23 @@ static double in_row(const gn_run *run, const char *column, size_t row) {
     return values ? values[row] : NAN;
 }
 
+/* Returns the mean stress of the specimen and its target. */
+static gn_servo_row mean_row(const gn_run *run, const gn_table *stress, size_t row) {
+    static const char *const names[] = {"stress_xx", "stress_yy", "stress_zz"};
+    const int dimension = (int)run->world.ctx.scene.dimension;
+    double sum = 0.0;
+    for (int a = 0; a < dimension; a++) sum -= in_row(run, names[a], row) / dimension;
+    return (gn_servo_row){sum, gn_table_at(stress, in_row(run, "time", row))};
+}
+
 gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row) {
     const gn_world *w = &run->world;
     const gn_wall_def *def = &w->ctx.scene.walls[wall];
     static const char *const axes[] = {"x", "y", "z"};
-    double pressed = 0.0,
-           wanted = gn_wall_wanted(&w->ctx, &w->boundary, wall, in_row(run, "time", row));
+    double part,
+        pressed = 0.0,
+        wanted = gn_wall_wanted(&w->ctx, &w->boundary, wall, in_row(run, "time", row), &part);
+    if (def->servo.of_mean) return mean_row(run, &def->servo.stress, row);
     for (int a = 0; a < (int)w->ctx.scene.dimension; a++) {
         char name[GN_COLUMN_NAME_SIZE];
         snprintf(name, sizeof name, "wall_%s_force_%s", def->name, axes[a]);
@@ -70,6 +81,7 @@ gn_servo_row gn_run_side_servo(const gn_run *run, int axis, size_t row) {
     static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
     const gn_box_side *side = &run->world.ctx.scene.box[axis];
     double wanted = gn_table_at(&side->stress, in_row(run, "time", row));
+    if (side->of_mean) return mean_row(run, &side->stress, row);
     return (gn_servo_row){-in_row(run, stresses[axis], row), wanted};
 }
 

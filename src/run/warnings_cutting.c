@@ -46,6 +46,39 @@ static void warn_of_depth(const gn_run *run, const double *path, gn_warnings *li
         gn_warn(list, "cutting_depth", "%s", text);
 }
 
+/* Returns the extent of the block along an axis at the start, elements included, m. */
+static double block_side(const gn_world *w, int axis) {
+    double low = w->ctx.lower[axis], high = w->ctx.upper[axis];
+    if (w->ctx.scene.has_couple) {
+        low = fmin(low, w->cutting.elements[0][axis]);
+        high = fmax(high, w->cutting.elements[1][axis]);
+    }
+    return high - low;
+}
+
+/* Warns of a block that the cut broke as a whole: damage through more than three quarters of its
+ * height, or as much removed rock as a layer of its width that is as thick as the cut is deep. */
+static void warn_of_block(const gn_run *run, const double *path, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const gn_cutting *c = &w->cutting;
+    const gn_cut cut = gn_cutting_describe(&w->ctx, &w->dem, c);
+    const int axis = (int)w->ctx.scene.test.axis, normal = (int)w->ctx.scene.test.normal;
+    const double height = block_side(w, normal), width = block_side(w, 3 - axis - normal),
+                 length = fmin(c->end, path[run->history.row_count - 1]) - c->begin,
+                 cut_width =
+                     length > 0.1 * (c->end - c->begin) ? cut.removed / (length * cut.depth) : 0.0;
+    if (cut.damage_depth > 0.75 * height)
+        gn_warn(list, "cutting_block",
+                "bonds are broken down to %.4g m below the surface of the rock, which is %.4g m "
+                "high: the block broke as a whole, and forces depend on its size",
+                cut.damage_depth, height);
+    else if (w->ctx.scene.dimension == 3 && cut_width >= width)
+        gn_warn(list, "cutting_block",
+                "the section of the removed rock is %.4g m2, depth times %.4g m, and the rock is "
+                "%.4g m wide: the block broke as a whole, and forces depend on its size",
+                cut_width * cut.depth, cut_width, width);
+}
+
 void gn_warn_of_cut(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const double *path = gn_history_column(&run->history, "cut_path");
@@ -54,6 +87,7 @@ void gn_warn_of_cut(const gn_run *run, gn_warnings *list) {
     if (path && run->history.row_count > 1 && w->cutting.direction != 0.0) {
         warn_of_path(run, path, list);
         warn_of_depth(run, path, list);
+        warn_of_block(run, path, list);
     }
     for (gn_cutting_doubt d = GN_CUT_LOCKED; d < GN_CUT_DEPTH; d++) {
         if (!gn_cutting_doubts(&w->ctx, &w->dem, &w->boundary, &w->cutting, d, text, sizeof text))

@@ -344,13 +344,15 @@ enum { SERVOS_NAMED = 2 };
 
 static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row mean, double share,
                             char *text, size_t size) {
-    const char *name =
-        axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : run->world.ctx.scene.walls[wall].name;
-    const char *unit = axis >= 0 ? "Pa" : "N";
+    const gn_scene *s = &run->world.ctx.scene;
+    const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
+    const bool of_mean = axis >= 0 ? s->box[axis].of_mean : s->walls[wall].servo.of_mean;
+    const char *unit = axis >= 0 || of_mean ? "Pa" : "N";
     size_t used = (size_t)snprintf(
         text, size,
-        "%s '%.40s' has %.4g %s in the mean of the last rows, and its target is %.4g %s",
-        axis >= 0 ? "side" : "wall", name, mean.found, unit, mean.wanted, unit);
+        "%s%s '%.40s' has %.4g %s in the mean of the last rows, and its target is %.4g %s",
+        of_mean ? "the mean stress held by " : "", axis >= 0 ? "side" : "wall", name, mean.found,
+        unit, mean.wanted, unit);
     if (share > share_limit && used < size)
         used += (size_t)snprintf(
             text + used, size - used,
@@ -446,10 +448,29 @@ static void warn_of_beginning(const gn_readings *readings, gn_warnings *list) {
             readings->initial_stress, readings->initial_fall);
 }
 
-/* Warns of a body of varying section without a shape that gives its volume. */
+/* Narrowest section over the one of the stress above which a body counts as a prism. */
+static const double nearly_even = 0.9;
+
+/* Warns of a body whose stresses differ from section to section. */
+static void warn_of_stress(const gn_run *run, const gn_readings *readings, gn_warnings *list) {
+    const gn_bar_section *x = &run->world.section;
+    const double area = run->world.ctx.test_area;
+    if (isnan(readings->largest_stress) || !(x->narrowest < nearly_even * area)) return;
+    gn_warn(list, "uneven_section",
+            "stresses and strengths are forces over %.4g m2, and the narrowest section across %c "
+            "has %.4g m2: they are those of this body, not of a prism or of the material",
+            area, "xyz"[run->world.ctx.scene.test.axis], x -> narrowest);
+}
+
+/* Warns of a body of varying section: of its moduli if no shape gives its volume, else of its
+ * stresses. */
 static void warn_of_section(const gn_run *run, const gn_readings *readings, gn_warnings *list) {
     const gn_bar_section *x = &run->world.section;
-    if (!(x->mean > 0.0) || x->guessed == 0.0 || isnan(readings->young_modulus)) return;
+    if (!(x->mean > 0.0)) return;
+    if (x->guessed == 0.0 || isnan(readings->young_modulus)) {
+        warn_of_stress(run, readings, list);
+        return;
+    }
     gn_warn(list, "uneven_section",
             "the section varies along %c (%.3g of the mean at the narrowest section) and no shape "
             "gives it: moduli are those of a prism of %.4g m2, not of the material (pack a shape, "

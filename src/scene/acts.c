@@ -31,6 +31,12 @@ static bool find_pair(const gn_scene *scene, const double *normal, const double 
     return false;
 }
 
+int gn_scene_wall_facing(const gn_scene *scene, int axis, double sense) {
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (sense * scene->walls[k].normal[axis] > 0.999) return (int)k;
+    return -1;
+}
+
 bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall) {
     const double *n = scene->walls[wall].normal;
     return gn_scene_half_periodic(scene) && fabs(n[scene->periodic_open]) > 1.0 - slack;

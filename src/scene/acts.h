@@ -62,6 +62,10 @@ typedef struct gn_facing {
 /* True if the wall stands across the open axis of a periodic box, so that it closes the box. */
 bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall);
 
+/* Returns the first wall whose normal has the direction of an axis, in its sense or (`sense` < 0)
+ * against it; -1: none. */
+int gn_scene_wall_facing(const gn_scene *scene, int axis, double sense);
+
 /* Finds the first such pairs in the scene; returns false if there are none. */
 bool gn_facing_find(const gn_scene *scene, size_t wall, gn_facing *facing);
 

@@ -37,6 +37,16 @@ gneiss_status gn_check_fail(const check *section, const char *key, const char *f
                         text);
 }
 
+gneiss_status gn_check_needs(const check *section, const char *key, const char *found,
+                             const char *format, ...) {
+    char needed[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(needed, sizeof needed, format, args);
+    va_end(args);
+    return gn_check_fail(section, key, "needs %s; found %s", needed, found);
+}
+
 gneiss_status gn_check_name(const check *section, bool taken, const char *name) {
     return taken ? gn_check_fail(section, "name",
                                  "expected a unique name, found '%s' a second time", name)
@@ -135,7 +145,7 @@ static gneiss_status check_no_shape(const check *section, gn_specimen *specimen,
     if (!key) return GNEISS_OK;
     if (section->reader->specimen_only)
         return gn_check_fail(section, key, "expected one of %s, found %s", shapes, source);
-    return gn_check_fail(section, key, "expected one of %s beside it, found %s", shapes, source);
+    return gn_check_needs(section, key, source, "one of %s", shapes);
 }
 
 static gneiss_status check_refinement(const check *section, const gn_refinement *refinement) {
@@ -185,25 +195,23 @@ static gneiss_status check_pack(const check *section, const gn_pack_def *pack, c
     bool fixed = pack->shape == GN_SHAPE_POLYGON || pack->shape == GN_SHAPE_SURFACE ||
                  pack->shape == GN_SHAPE_MESH;
     if (fixed && !is_zero(pack->origin))
-        return gn_check_fail(section, "specimen.origin",
-                             "expected rectangle, disc, box or cylinder beside it, found %s",
-                             shape);
+        return gn_check_needs(section, "specimen.origin", shape,
+                              "rectangle, disc, box or cylinder");
     GN_TRY(check_amount(section, pack, shape));
     GN_TRY(gn_check_sieve(section, "specimen.packing.", pack->sizes == GN_SIZES_SIEVE, pack->sieve,
                           pack->sieve_count));
     if (pack->sizes == GN_SIZES_SIEVE && gn_check_given(section, "specimen.packing.size_ratio"))
-        return gn_check_fail(section, "specimen.packing.size_ratio",
-                             "expected sizes: fitted, uniform or normal beside it, found sieve, "
-                             "whose first row has the smallest size");
+        return gn_check_needs(section, "specimen.packing.size_ratio",
+                              "sieve, whose first row has the smallest size",
+                              "sizes: fitted, uniform or normal");
     if (pack->size_variation >= 0 &&
         (pack->sizes == GN_SIZES_UNIFORM || pack->sizes == GN_SIZES_SIEVE))
-        return gn_check_fail(
-            section, "specimen.packing.size_variation",
-            "expected sizes: fitted or normal beside it, found %s, which implies its own",
-            pack->sizes == GN_SIZES_UNIFORM ? "uniform" : "sieve");
+        return gn_check_needs(section, "specimen.packing.size_variation",
+                              pack->sizes == GN_SIZES_UNIFORM ? "uniform, which implies its own"
+                                                              : "sieve, which implies its own",
+                              "sizes: fitted or normal");
     if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
-        return gn_check_fail(section, "specimen.packing.overlap_size",
-                             "expected overlap passive beside it, found none");
+        return gn_check_needs(section, "specimen.packing.overlap_size", "none", "overlap passive");
     for (size_t k = 0; k < pack->refinement_count; k++) {
         check element =
             gn_check_element(section->reader, section->map, "specimen.packing.refine", k);
@@ -219,10 +227,9 @@ static gneiss_status clip(const check *section, gn_pack_def *pack, int dimension
     const double *low = pack->region_min, *high = pack->region_max;
     if (!pack->has_region) return GNEISS_OK;
     if (pack->shape != GN_SHAPE_RECTANGLE && pack->shape != GN_SHAPE_BOX)
-        return gn_check_fail(section, "specimen.packing.region",
-                             "expected a rectangle or box beside it, of which it is a part, found "
-                             "%s (pack a smaller body instead)",
-                             shape);
+        return gn_check_needs(
+            section, "specimen.packing.region", shape,
+            "a rectangle or box, of which it is a part (pack a smaller body instead)");
     for (int a = 0; a < dimension; a++) {
         const double upper = pack->origin[a] + pack->size[a], rounding = 1e-12 * pack->size[a];
         if (!(low[a] < high[a]) || !(fmax(low[a], pack->origin[a]) < fmin(high[a], upper)))
@@ -244,9 +251,8 @@ static gneiss_status check_scale(const check *section, const gn_specimen *specim
     if (specimen->scale == 1.0 || *specimen->file || shape == GN_SHAPE_SURFACE ||
         shape == GN_SHAPE_MESH)
         return GNEISS_OK;
-    return gn_check_fail(
-        section, "specimen.scale",
-        "expected file, surface or mesh beside it, whose lengths it scales, found %s", source);
+    return gn_check_needs(section, "specimen.scale", source,
+                          "file, surface or mesh, whose lengths it scales");
 }
 
 static gneiss_status check_particles(const check *section, gn_scene *scene) {
@@ -266,8 +272,7 @@ static gneiss_status check_particles(const check *section, gn_scene *scene) {
                              "expected a lattice of a %dD scene: %s", (int)scene->dimension,
                              scene->dimension == 2 ? "square, hexagonal" : "cubic, fcc, hcp");
     if (specimen->porosity >= 0 && specimen->density_basis != GN_DENSITY_BULK)
-        return gn_check_fail(section, "specimen.porosity",
-                             "expected density_basis bulk beside it, found particle");
+        return gn_check_needs(section, "specimen.porosity", "particle", "density_basis bulk");
     return GNEISS_OK;
 }
 
@@ -314,10 +319,9 @@ gneiss_status gn_check_required(const check *section, double value, const char *
 static gneiss_status check_rolls(const check *section, const gn_material *material, bool area) {
     bool rolls = material->rolling_friction > 0 || material->twisting_friction > 0;
     if (!rolls || (area ? material->beta : material->kratio) != 0) return GNEISS_OK;
-    return gn_check_fail(section,
-                         material->rolling_friction > 0 ? "rolling_friction" : "twisting_friction",
-                         "expected %s above 0 beside it, which its stiffness follows from, found 0",
-                         area ? "beta" : "kratio");
+    return gn_check_needs(
+        section, material->rolling_friction > 0 ? "rolling_friction" : "twisting_friction", "0",
+        "%s above 0, which its stiffness follows from", area ? "beta" : "kratio");
 }
 
 static gneiss_status check_law_values(const check *section, const gn_scene *scene,
@@ -329,9 +333,9 @@ static gneiss_status check_law_values(const check *section, const gn_scene *scen
                              material->kratio);
     if (gn_scene_hertz(scene)) return gn_check_hertz_material(section, material);
     if (material->restitution >= 0)
-        return gn_check_fail(section, "restitution",
-                             "expected law.stiffness hertz beside it, found another (all others "
-                             "have damping.contact.restitution)");
+        return gn_check_needs(section, "restitution",
+                              "another (all others have damping.contact.restitution)",
+                              "law.stiffness hertz");
     if (!area)
         GN_TRY(
             gn_check_required(section, material->kratio + 1.0, "kratio", "by this law.stiffness"));
@@ -391,15 +395,15 @@ static gneiss_status check_background(const check *section, const gn_scene *scen
 static gneiss_status check_damping(const check *section, const gn_scene *scene) {
     const char *key = "damping.background.coefficient", *spin = "damping.background.rotation";
     if (scene->background == GN_BACKGROUND_NONE && scene->background_coefficient > 0)
-        return gn_check_fail(section, key, "expected a model beside it, found none");
+        return gn_check_needs(section, key, "none", "a model");
     if (scene->background == GN_BACKGROUND_NONE && scene->background_spin > 0)
-        return gn_check_fail(section, spin, "expected a model beside it, found none");
+        return gn_check_needs(section, spin, "none", "a model");
     if (scene->background != GN_BACKGROUND_NONE && !gn_check_given(section, key))
         return gn_check_fail(section, key, "required by the model, but not given");
     GN_TRY(check_background(section, scene, key, scene->background_coefficient));
     GN_TRY(check_background(section, scene, spin, scene->background_spin));
     if (scene->background_spin >= 0 && scene->rotation == GN_SWITCH_OFF)
-        return gn_check_fail(section, spin, "expected law.rotation on beside it, found off");
+        return gn_check_needs(section, spin, "off", "law.rotation on");
     if (scene->background != GN_BACKGROUND_NONVISCOUS_COMPONENT &&
         scene->background_velocity == GN_VELOCITY_INSTANT)
         return gn_check_fail(section, "damping.background.velocity",
@@ -529,6 +533,24 @@ static gneiss_status check_wall(const check *section, const gn_scene *scene, siz
     return gn_check_plane_motion(section, scene, &wall->motion);
 }
 
+/* Checks that a wall which holds the mean stress is one of a box of walls along the axes. */
+static gneiss_status check_mean(const check *section, const gn_scene *scene, size_t index) {
+    bool belongs = false, closed = true;
+    for (int a = 0; a < (int)scene->dimension; a++)
+        for (int sense = -1; sense <= 1; sense += 2) {
+            const int wall = gn_scene_wall_facing(scene, a, sense);
+            belongs = belongs || wall == (int)index;
+            closed = closed && wall >= 0;
+        }
+    if (!scene->walls[index].servo.stress.count)
+        return gn_check_fail(section, "servo.stress_of", "expected stress beside it, found force");
+    if (belongs && closed) return GNEISS_OK;
+    return gn_check_fail(section, "servo.stress_of",
+                         "expected a wall of a box: two walls across every axis that face each "
+                         "other, of which it is the first in its direction, found %s",
+                         closed ? "a further wall" : "an axis without");
+}
+
 static gneiss_status check_servo(const check *section, const gn_scene *scene, size_t index) {
     const gn_servo *servo = &scene->walls[index].servo;
     gn_facing facing;
@@ -536,8 +558,9 @@ static gneiss_status check_servo(const check *section, const gn_scene *scene, si
     if (!servo->force.count == !servo->stress.count)
         return gn_check_fail(section, "servo", "expected force or stress, found %s",
                              servo->force.count ? "both" : "none");
+    if (servo->of_mean) GN_TRY(check_mean(section, scene, index));
     if (servo->area > 0 && servo->force.count)
-        return gn_check_fail(section, "servo.area", "expected stress beside it, found force");
+        return gn_check_needs(section, "servo.area", "force", "stress");
     if (servo->force.count || servo->area > 0 || gn_wall_covers_open_axis(scene, index) ||
         gn_facing_find(scene, index, &facing))
         return GNEISS_OK;
@@ -563,9 +586,10 @@ static gneiss_status check_no_specimen(const check *section, const gn_scene *sce
                 {scene->random_velocity > 0, "initial.random_velocity"}};
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (keys[k].found)
-            return gn_check_fail(section, keys[k].key,
-                                 "expected a specimen beside it, found elements only (their "
-                                 "materials, motions and loads belong under elements)");
+            return gn_check_needs(
+                section, keys[k].key,
+                "elements only (their materials, motions and loads belong under elements)",
+                "a specimen");
     return GNEISS_OK;
 }
 

@@ -26,6 +26,11 @@ gneiss_status gn_check_list(const check *section, const char *list, size_t count
 gneiss_status gn_check_fail(const check *section, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Fails because `key` has no meaning without something else: "KEY: needs a specimen; found
+ * elements only". `format` and its arguments give what it needs. */
+gneiss_status gn_check_needs(const check *section, const char *key, const char *found,
+                             const char *format, ...) __attribute__((format(printf, 4, 5)));
+
 /* Refuses the name of an element if it is taken. */
 gneiss_status gn_check_name(const check *section, bool taken, const char *name);
 

@@ -25,8 +25,7 @@ static gneiss_status check_block(const check *section, const gn_scene *scene, co
 static gneiss_status check_notch(const check *section, const gn_beam_def *beam) {
     if (!(beam->notch_depth > 0)) {
         if (beam->notch_width > 0)
-            return gn_check_fail(section, "elements.beam.notch_width",
-                                 "expected notch_depth beside it, found none");
+            return gn_check_needs(section, "elements.beam.notch_width", "none", "notch_depth");
         return GNEISS_OK;
     }
     if (!(beam->notch_width > 0))
@@ -74,8 +73,7 @@ static gneiss_status check_mesh(const check *section, const gn_scene *scene) {
                              scene->dimension == 2 ? "rectangle" : "box",
                              sources ? "several" : "none");
     if (elements->scale != 1 && !elements->mesh[0])
-        return gn_check_fail(section, "elements.scale",
-                             "expected a mesh file beside it, found none");
+        return gn_check_needs(section, "elements.scale", "none", "a mesh file");
     if (elements->has_beam) return check_beam(section, scene);
     return elements->mesh[0] ? GNEISS_OK
                              : check_block(section, scene, elements->has_box ? "box" : "rectangle");
@@ -143,8 +141,7 @@ static gneiss_status check_whole(const check *section, const gn_scene *scene) {
                                             elements->contact.friction, 0.0, 0.0,
                                             elements->contact.material, false}));
     if (elements->has_contact && scene->has_periodic)
-        return gn_check_fail(section, "elements.contact",
-                             "expected no periodic box beside it, found one");
+        return gn_check_needs(section, "elements.contact", "one", "a scene without a periodic box");
     return GNEISS_OK;
 }
 
@@ -209,9 +206,9 @@ static gneiss_status check_zone(const check *section, const gn_scene *scene, siz
 /* Refuses keys that cannot be combined with coupling zones. */
 static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     if (!scene->has_specimen || !scene->has_elements)
-        return gn_check_fail(section, "couple",
-                             "expected a specimen and elements beside it, found %s",
-                             scene->has_elements ? "elements only" : "a specimen only");
+        return gn_check_needs(section, "couple",
+                              scene->has_elements ? "elements only" : "a specimen only",
+                              "a specimen and elements");
     const struct {
         bool found;
         const char *what;
@@ -220,8 +217,7 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
                   {scene->has_mass_scaling, "time.mass_scaling"}};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
-            return gn_check_fail(section, "couple", "expected no %s beside it, found one",
-                                 others[k].what);
+            return gn_check_needs(section, "couple", "one", "a scene without %s", others[k].what);
     return GNEISS_OK;
 }
 
@@ -251,9 +247,10 @@ static gneiss_status check_constraint(const check *section, const gn_scene *scen
                           : scene->couple.penalty_damping != 0.0 ? "couple.penalty_damping"
                                                                  : NULL;
     if (springs && scene->couple.constraint != GN_COUPLE_PENALTY)
-        return gn_check_fail(section, springs, "expected constraint: penalty beside it, found %s",
-                             scene->couple.constraint == GN_COUPLE_LUMPED ? "lumped"
-                                                                          : "consistent");
+        return gn_check_needs(section, springs,
+                              scene->couple.constraint == GN_COUPLE_LUMPED ? "lumped"
+                                                                           : "consistent",
+                              "constraint: penalty");
     if (scene->couple.constraint != GN_COUPLE_PENALTY || scene->couple.spins == GN_COUPLE_FREE)
         return GNEISS_OK;
     return gn_check_fail(section, "couple.spins", "expected free beside penalty, found slaved");

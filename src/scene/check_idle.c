@@ -81,6 +81,7 @@ static const material_row material_rows[] = {
     {"kratio", not_elastic, false, -1},
     {"young", elastic, false, -1},
     {"poisson", elastic, false, -1},
+    {"adhesion", gn_scene_adheres, false, -1},
     {"alpha", gn_scene_by_area, false, -1},
     {"beta", gn_scene_by_area, false, -1},
     {"tensile_strength", not_uniform, true, -1},
@@ -164,7 +165,7 @@ static bool without_ledger(const gn_scene *scene) {
     return scene->energy == GN_SWITCH_OFF;
 }
 static bool without_gravity(const gn_scene *scene) {
-    return scene->gravity[0] == 0.0 && scene->gravity[1] == 0.0 && scene->gravity[2] == 0.0;
+    return !gn_scene_has_gravity(scene);
 }
 static bool with_step(const gn_scene *scene) {
     return scene->step > 0.0 && !scene->has_couple;

@@ -28,7 +28,7 @@ gneiss_status gn_check_scatter(const check *section, const char *key, const gn_s
 static const char *unread(const gn_scene *scene, const gn_contact_def *contact) {
     bool area = gn_scene_by_area(scene), uniform = scene->stiffness == GN_STIFFNESS_UNIFORM;
     bool hertz = gn_scene_hertz(scene), strength = !uniform && !hertz;
-    bool energy = scene->softening == GN_SOFTENING_ENERGY;
+    bool energy = scene->softening == GN_SOFTENING_ENERGY, adheres = gn_scene_adheres(scene);
     const struct {
         bool read;
         double value;
@@ -39,6 +39,7 @@ static const char *unread(const gn_scene *scene, const gn_contact_def *contact) 
                 {area || hertz, contact->young, "young"},
                 {area || hertz, contact->poisson, "poisson"},
                 {hertz, contact->restitution, "restitution"},
+                {adheres, contact->adhesion, "adhesion"},
                 {area, contact->alpha, "alpha"},
                 {area, contact->beta, "beta"},
                 {strength, contact->tensile_strength, "tensile_strength"},
@@ -84,10 +85,8 @@ static bool has_spring_in_a_pair(const gn_scene *scene, const gn_material *mater
 }
 
 static gneiss_status no_grip(const check *section, const gn_scene *scene, const char *key) {
-    return gn_check_fail(section, key,
-                         "expected %s above 0 beside it, found 0: without a tangential spring "
-                         "contacts have no friction",
-                         gn_scene_by_area(scene) ? "beta" : "kratio");
+    return gn_check_needs(section, key, "0: without a tangential spring contacts have no friction",
+                          "%s above 0", gn_scene_by_area(scene) ? "beta" : "kratio");
 }
 
 bool gn_material_has_spring(const gn_scene *scene, const gn_material *material) {
@@ -133,7 +132,7 @@ static gneiss_status check_inherited_grip(const check *section, const gn_scene *
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (keys[k].own == GN_COMBINED && keys[k].of_both > 0.0)
             return gn_check_fail(section, spring,
-                                 "expected a value above 0, or %s: 0 beside it, found 0 and a %s "
+                                 "expected a value above 0, or %s: 0, found 0 and a %s "
                                  "of %.4g by the materials: without a tangential spring contacts "
                                  "have no friction",
                                  keys[k].key, keys[k].key, keys[k].of_both);
@@ -214,16 +213,14 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
 gneiss_status gn_check_gamma(const check *section, const gn_scene *scene) {
     bool area = gn_scene_by_area(scene);
     if (!area && scene->gamma > 0)
-        return gn_check_fail(section, "law.gamma",
-                             "expected stiffness dempack or polyhedron beside it, found another");
+        return gn_check_needs(section, "law.gamma", "another", "stiffness dempack or polyhedron");
     if (scene->gamma_rule != GN_GAMMA_VOLUME && scene->stiffness == GN_STIFFNESS_POLYHEDRON)
         return gn_check_fail(section, "law.gamma_rule",
                              "expected volume beside stiffness polyhedron (whose bonds have "
                              "individual sections, without gamma), found porosity");
     if (scene->gamma_rule != GN_GAMMA_VOLUME && (!area || scene->gamma > 0))
-        return gn_check_fail(section, "law.gamma_rule", "expected %s beside it, found %s",
-                             area ? "gamma auto" : "stiffness dempack or polyhedron",
-                             area ? "a number" : "another");
+        return gn_check_needs(section, "law.gamma_rule", area ? "a number" : "another", "%s",
+                              area ? "gamma auto" : "stiffness dempack or polyhedron");
     return GNEISS_OK;
 }
 
@@ -302,11 +299,9 @@ static gneiss_status check_curve(const check *section, const gn_scene *scene) {
     }
     if (scene->kink_stress > 0.0 &&
         fabs(scene->kink_stress - 1.0 / 3.0) > 1e-12) /* 0: the scene has no section `law` */
-        return gn_check_fail(section, "law.kink_stress",
-                             "expected softening_curve bilinear beside it, found linear");
+        return gn_check_needs(section, "law.kink_stress", "linear", "softening_curve bilinear");
     if (scene->initial_energy > 0.0 && scene->initial_energy != 0.6)
-        return gn_check_fail(section, "law.initial_energy",
-                             "expected softening_curve bilinear beside it, found linear");
+        return gn_check_needs(section, "law.initial_energy", "linear", "softening_curve bilinear");
     return GNEISS_OK;
 }
 
@@ -341,9 +336,8 @@ gneiss_status gn_check_moments(const check *section, const gn_scene *scene) {
         if (!gn_check_given(section, "bonds.moment_share") ||
             gn_check_given(section, "bonds.radius_multiplier"))
             return GNEISS_OK;
-        return gn_check_fail(section, "bonds.moment_share",
-                             "expected a radius_multiplier above 0 beside it (otherwise bonds "
-                             "carry no moments), found none");
+        return gn_check_needs(section, "bonds.moment_share", "none",
+                              "a radius_multiplier above 0 (otherwise bonds carry no moments)");
     }
     if (scene->rotation == GN_SWITCH_OFF)
         return gn_check_fail(section, "bonds.radius_multiplier",
@@ -378,12 +372,71 @@ static gneiss_status check_rolling(const check *section, const gn_scene *scene) 
                          "broken bonds would have no such resistance, found some");
 }
 
+/* Refuses parts that attractive contacts do not work beside. */
+static gneiss_status check_cohesive_company(const check *section, const gn_scene *scene) {
+    const bool liquid = scene->cohesion == GN_COHESION_LIQUID;
+    const struct {
+        bool found;
+        const char *what;
+    } others[] = {{scene->body_count > 0, "rigid bodies, whose facets have no attraction"},
+                  {scene->has_elements, "finite elements"},
+                  {scene->has_membrane, "a membrane"},
+                  {scene->precision == GN_PRECISION_MIXED, "mixed precision"},
+                  {gn_scene_box_moves(scene), "a periodic box whose sides move"},
+                  {liquid && scene->source_count > 0, "sources, whose particles would be dry"},
+                  {liquid && (scene->sink_count > 0 || scene->has_domain),
+                   "particles that leave, with the liquid of their bridges"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(section, "law.cohesion", "expected none beside it, found %s",
+                                 others[k].what);
+    return GNEISS_OK;
+}
+
+static bool any_adheres(const gn_scene *scene) {
+    bool found = false;
+    for (size_t k = 0; k < scene->material_count; k++)
+        found = found || scene->materials[k].adhesion > 0;
+    for (size_t k = 0; k < scene->contact_count; k++)
+        found = found || scene->contacts[k].adhesion > 0;
+    return found;
+}
+
+/* Checks the keys of attractive contacts. */
+static gneiss_status check_cohesion(const check *section, const gn_scene *scene) {
+    const bool liquid = scene->cohesion == GN_COHESION_LIQUID;
+    const struct {
+        double value;
+        const char *key;
+    } of_liquid[] = {{scene->surface_tension, "law.surface_tension"},
+                     {scene->contact_angle, "law.contact_angle"},
+                     {scene->liquid_content, "law.liquid_content"}};
+    for (size_t k = 0; !liquid && k < sizeof of_liquid / sizeof *of_liquid; k++)
+        if (of_liquid[k].value > 0.0)
+            return gn_check_fail(section, of_liquid[k].key,
+                                 "expected law.cohesion liquid beside it, found another");
+    if (scene->cohesion == GN_COHESION_NONE) return GNEISS_OK;
+    if (!gn_scene_hertz(scene))
+        return gn_check_fail(section, "law.cohesion",
+                             "expected law.stiffness hertz beside it, found another");
+    if (liquid) {
+        GN_TRY(gn_check_required(section, scene->surface_tension, "law.surface_tension",
+                                 "by cohesion liquid"));
+        GN_TRY(gn_check_required(section, scene->liquid_content, "law.liquid_content",
+                                 "by cohesion liquid"));
+    } else if (!any_adheres(scene)) {
+        return gn_check_fail(section, "law.cohesion",
+                             "expected a material or a pair with an adhesion above 0, found none");
+    }
+    return check_cohesive_company(section, scene);
+}
+
 gneiss_status gn_check_hertz(const check *section, const gn_scene *scene) {
     GN_TRY(check_rolling(section, scene));
+    GN_TRY(check_cohesion(section, scene));
     if (!gn_scene_hertz(scene)) {
         if (scene->pull || !gn_check_given(section, "law.pull")) return GNEISS_OK;
-        return gn_check_fail(section, "law.pull",
-                             "expected law.stiffness hertz beside it, found another");
+        return gn_check_needs(section, "law.pull", "another", "law.stiffness hertz");
     }
     if (scene->dimension != 3)
         return gn_check_fail(section, "law.stiffness",
@@ -431,8 +484,7 @@ gneiss_status gn_check_side(const check *section, const gn_scene *scene, const c
             GN_TRY(gn_check_required(section, side.kratio, kratio, "by friction"));
         if (rolls) GN_TRY(gn_check_required(section, side.kratio, kratio, "by rolling_friction"));
         if (!*side.material) return GNEISS_OK;
-        return gn_check_fail(section, material,
-                             "expected law.stiffness hertz beside it, found another");
+        return gn_check_needs(section, material, "another", "law.stiffness hertz");
     }
     const char *why = "beside law.stiffness hertz, which has E and nu of the material";
     if (!side.body) {
@@ -500,6 +552,7 @@ static gneiss_status check_idle(const check *section, const gn_box_side *side, c
     char more[48];
     if (given && given->kind == GN_NODE_MAP && !given->count)
         return gn_check_fail(section, key, "expected stress or rate, found neither");
+    if (side->of_mean && !side->stress.count) idle = "stress_of";
     if (side->stress.count || !idle) return GNEISS_OK;
     snprintf(more, sizeof more, "%s.%s", key, idle);
     return gn_check_fail(section, more, "expected stress (a servo) for this side, found %s",

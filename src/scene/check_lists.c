@@ -36,9 +36,8 @@ static gneiss_status check_region(const check *section, const gn_scene *scene,
                              scene->dimension == 2 ? "rectangle, disc, polygon" : "box, cylinder",
                              *found ? found : "none");
     if (moved && (plane || region->corner_count))
-        return gn_check_fail(section, "origin", "expected %s beside it, found %s",
-                             scene->dimension == 2 ? "rectangle or disc" : "box or cylinder",
-                             found);
+        return gn_check_needs(section, "origin", found, "%s",
+                              scene->dimension == 2 ? "rectangle or disc" : "box or cylinder");
     return GNEISS_OK;
 }
 
@@ -84,9 +83,8 @@ gneiss_status gn_check_sieve(const check *checked, const char *section, bool wan
     snprintf(sieve, sizeof sieve, "%ssieve", section);
     snprintf(sizes, sizeof sizes, "%ssizes", section);
     if (wanted != (count > 0))
-        return gn_check_fail(checked, count ? sieve : sizes,
-                             count ? "expected sizes: sieve beside it, found others"
-                                   : "sieve: expected a sieve beside it, found none");
+        return count ? gn_check_needs(checked, sieve, "others", "sizes: sieve")
+                     : gn_check_needs(checked, sizes, "none", "a key sieve with sizes and shares");
     for (size_t k = 1; k < count; k++)
         if (!(row[2 * k] > row[2 * k - 2]) || row[2 * k + 1] < row[2 * k - 1])
             return gn_check_fail(checked, sieve,
@@ -106,12 +104,10 @@ static gneiss_status check_sizes(const check *section, const gn_source_def *sour
     GN_TRY(gn_check_sieve(section, "", source->sizes == GN_SIZES_SIEVE, source->sieve,
                           source->sieve_count));
     if (source->sizes == GN_SIZES_SIEVE && gn_check_given(section, "size_ratio"))
-        return gn_check_fail(section, "size_ratio",
-                             "expected sizes: uniform or normal beside it, found sieve, whose "
-                             "first row has the smallest size");
+        return gn_check_needs(section, "size_ratio", "sieve, whose first row has the smallest size",
+                              "sizes: uniform or normal");
     if (source->size_variation >= 0 && source->sizes != GN_SIZES_NORMAL)
-        return gn_check_fail(section, "size_variation",
-                             "expected sizes: normal beside it, found another");
+        return gn_check_needs(section, "size_variation", "another", "sizes: normal");
     if (source->sizes == GN_SIZES_NORMAL && source->size_ratio == 1.0)
         return gn_check_fail(section, "size_ratio",
                              "expected more than 1 beside sizes: normal, which is truncated at the "
@@ -166,12 +162,10 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
         if (others[k].found)
             return gn_check_fail(section, list, "expected a scene without %s, found one with it",
                                  others[k].what);
-    if (!scene->has_specimen)
-        return gn_check_fail(section, list, "expected a specimen or sources beside it, found none");
+    if (!scene->has_specimen) return gn_check_needs(section, list, "none", "a specimen or sources");
     if (scene->set_count && !scene->specimen_given)
-        return gn_check_fail(section, "sets",
-                             "expected a specimen beside it, whose particles sets select, found "
-                             "sources alone");
+        return gn_check_needs(section, "sets", "sources alone",
+                              "a specimen, whose particles sets select");
     for (size_t k = 0; k < scene->source_count && !scene->specimen_given; k++)
         if (scene->sources[k].start == 0) return GNEISS_OK;
     if (scene->specimen_given) return GNEISS_OK;
@@ -254,18 +248,15 @@ static gneiss_status check_weight(const check *section, const gn_scene *scene,
 static gneiss_status check_centre(const check *section, const gn_body_def *body) {
     if (body->has_reference) {
         if (body->mass > 0 && body->has_inertia) return GNEISS_OK;
-        return gn_check_fail(section, "reference",
-                             "expected mass and inertia beside it, as it is the centre of mass of "
-                             "a free body, found no %s",
-                             body->has_inertia ? "mass" : "inertia");
+        return gn_check_needs(section, "reference", body->has_inertia ? "no mass" : "no inertia",
+                              "mass and inertia, as it is the centre of mass of a free body");
     }
     static const char whole[] =
-        "%s beside it, or mass, inertia and reference (the centre of mass), found none";
+        "needs %s, or mass, inertia and reference (the centre of mass); found none";
     if (body->polyline_count)
-        return gn_check_fail(section, "free", whole,
-                             "expected a polygon (a polyline has no inside)");
+        return gn_check_fail(section, "free", whole, "a polygon (a polyline has no inside)");
     if (body->has_cylinder && body->cylinder.open)
-        return gn_check_fail(section, "free", whole, "expected a closed cylinder");
+        return gn_check_fail(section, "free", whole, "a closed cylinder");
     return GNEISS_OK;
 }
 
@@ -276,8 +267,8 @@ static gneiss_status check_spins(const check *section, const gn_scene *scene,
     const gn_table *spin = body->motion.spin;
     if (gn_body_spin_kind(scene, body) != GN_SPINS_SOME) {
         if (body->has_initial_spin && gn_body_spin_kind(scene, body) == GN_SPINS_PRESCRIBED)
-            return gn_check_fail(section, "initial_spin",
-                                 "expected no prescribed spin beside it, found one in motion");
+            return gn_check_needs(section, "initial_spin", "one in motion",
+                                  "a body without a prescribed spin");
         return GNEISS_OK;
     }
     for (int a = 0; a < 3; a++) {
@@ -307,8 +298,7 @@ static gneiss_status check_free(const check *section, const gn_scene *scene,
         return check_spins(section, scene, body);
     }
     for (int k = 0; k < 6; k++)
-        if (has[k])
-            return gn_check_fail(section, only[k], "expected free true beside it, found false");
+        if (has[k]) return gn_check_needs(section, only[k], "false", "free true");
     return GNEISS_OK;
 }
 
@@ -362,13 +352,17 @@ static gneiss_status unknown(const check *section, const char *name) {
 gneiss_status gn_check_output(const check *section, gn_scene *scene) {
     scene->asked = 0;
     if (scene->contact_rows == GN_SWITCH_ON && !scene->has_specimen)
-        return gn_check_fail(section, "output.contacts",
-                             "expected a specimen beside it, whose particles have contacts, found "
-                             "elements only");
+        return gn_check_needs(section, "output.contacts", "elements only",
+                              "a specimen, whose particles have contacts");
+    if (scene->has_structure && !scene->has_specimen)
+        return gn_check_needs(section, "output.structure", "elements only",
+                              "a specimen, whose particles are measured");
+    if (scene->has_structure)
+        GN_TRY(gn_check_box(section, scene, "output.structure.max", scene->structure_min,
+                            scene->structure_max));
     if (scene->field_count && !scene->has_specimen)
-        return gn_check_fail(section, "output.fields",
-                             "expected a specimen beside it, whose particles and bonds have them, "
-                             "found elements only");
+        return gn_check_needs(section, "output.fields", "elements only",
+                              "a specimen, whose particles and bonds have them");
     for (size_t k = 0; k < scene->field_count; k++) {
         int f = find(scene->fields[k]);
         if (f < 0) return unknown(section, scene->fields[k]);
@@ -399,7 +393,7 @@ static gneiss_status check_step(const check *section, const gn_scene *scene) {
 }
 
 static gneiss_status check_mass_scaling(const check *section, const gn_scene *scene) {
-    bool falls = scene->gravity[0] != 0.0 || scene->gravity[1] != 0.0 || scene->gravity[2] != 0.0;
+    const bool falls = gn_scene_has_gravity(scene);
     if (!scene->has_mass_scaling || !gn_check_is_valid(section, "gravity")) return GNEISS_OK;
     if ((scene->scaled_step > 0.0) == (scene->scaled_factor > 0.0))
         return gn_check_fail(section, "time.mass_scaling",
@@ -446,6 +440,7 @@ static bool motion_changes(const gn_motion *motion) {
 const char *gn_scene_loading_refusal(const gn_scene *scene) {
     if (!scene->has_specimen || scene->bonds != GN_SWITCH_ON) return "bonded particles, found none";
     if (scene->has_elements) return "particles alone, found elements";
+    if (scene->loads_vary) return "constant gravity and forces, found some that vary over time";
     if (scene->body_count) return "walls and sets, found bodies";
     if (scene->has_membrane) return "walls and sets, found a membrane";
     if (scene->joint_count) return "a specimen without joints, found joints";
@@ -495,8 +490,7 @@ static gneiss_status check_start_of_steps(const check *section, const gn_scene *
     if (reason) return gn_check_fail(section, "time.start", "first_break: expected %s", reason);
     /* A scene that was written contains the default of every key. */
     if (scene->start == GN_START_REST && scene->start_fraction != 0.9)
-        return gn_check_fail(section, "time.start_fraction",
-                             "expected time.start: first_break beside it, found rest");
+        return gn_check_needs(section, "time.start_fraction", "rest", "time.start: first_break");
     return GNEISS_OK;
 }
 

@@ -97,7 +97,7 @@ static bool prestressed(const gn_scene *scene) {
 static bool anything_else_acts(const gn_scene *scene) {
     bool acts = prestressed(scene) || scene->source_count || scene->has_pulse ||
                 scene->random_velocity != 0;
-    for (int a = 0; a < 3; a++) acts = acts || scene->gravity[a] != 0;
+    acts = acts || gn_scene_has_gravity(scene);
     for (size_t k = 0; k < scene->set_count; k++)
         acts = acts || scene->sets[k].has_initial_velocity || scene->sets[k].has_initial_spin;
     return acts;

@@ -289,8 +289,8 @@ static gneiss_status check_control(const check *c, const gn_scene *s) {
         return gn_check_fail(c, "test.control", "expected opening or lateral_strain, found %s",
                              t->control.opening > 0 ? "both" : "none");
     if (t->control.opening > 0 && !t->has_opening)
-        return gn_check_fail(c, "test.control.opening",
-                             "expected test.opening beside it, a gauge that is read, found none");
+        return gn_check_needs(c, "test.control.opening", "none",
+                              "test.opening, a gauge that is read");
     if (t->control.lateral_strain > 0 && (!s->has_specimen || s->has_periodic))
         return gn_check_fail(c, "test.control.lateral_strain",
                              "expected particles with a surface, whose mean strain is read, found "
@@ -305,8 +305,7 @@ static gneiss_status check_control(const check *c, const gn_scene *s) {
                              "found velocities of 0 alone",
                              "xyz"[t->axis]);
     if (s->start == GN_START_FIRST_BREAK)
-        return gn_check_fail(c, "test.control",
-                             "expected time.start: rest beside it, found first_break");
+        return gn_check_needs(c, "test.control", "first_break", "time.start: rest");
     return GNEISS_OK;
 }
 
@@ -355,8 +354,7 @@ static gneiss_status check_confinements(const check *c, gn_scene *s) {
     s->test.confinement = NULL;
     if (!list) return GNEISS_OK;
     if (!gn_scene_test(s)->confined)
-        return gn_check_fail(c, "test.confinement",
-                             "expected a triaxial or biaxial test beside it, found another");
+        return gn_check_needs(c, "test.confinement", "another", "a triaxial or biaxial test");
     if (list->kind != GN_NODE_LIST || list->count < LEAST_CONFINEMENTS)
         return gn_check_fail(c, "test.confinement",
                              "expected a list of at least %d pressures, which a friction angle "
@@ -404,7 +402,7 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
 
 gneiss_status gn_check_hydrostatic_load(const check *section, bool presses) {
     const gn_test_descriptor *d = gn_scene_test(section->reader->scene);
-    if (presses || !d->isotropic) return GNEISS_OK;
+    if (presses || !(d->isotropic || d->enclosed)) return GNEISS_OK;
     return gn_check_fail(
         section, "test.kind",
         "expected something that presses on the specimen of a %s test (a "
@@ -422,11 +420,17 @@ static const char *end_key(const gn_test *t) {
                             : NULL;
 }
 
-/* Checks isotropic tests, whose stress is the mean pressure and whose strain is the loss of volume,
- * so that they need no end. */
-static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
+/* Checks tests whose stress and strain are measured in the specimen, so that they need no end. */
+static gneiss_status check_endless(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    const char *key = t->axis >= 0 ? "test.axis" : end_key(t);
+    const bool along = gn_scene_test(s)->enclosed;
+    const char *key = !along && t->axis >= 0 ? "test.axis" : end_key(t);
+    if (along && t->axis < 0)
+        return gn_check_is_valid(c, "test.axis")
+                   ? gn_check_fail(c, "test.axis", "required, but not given")
+                   : GNEISS_OK;
+    if (along && t->axis >= s->dimension)
+        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
     if (key)
         return gn_check_fail(c, key, "expected none: a %s test has no ends",
                              gn_scene_test(s)->name);
@@ -487,7 +491,8 @@ gneiss_status gn_check_test(const check *section, gn_scene *scene) {
     const gn_test *t = &scene->test;
     GN_TRY(check_confinements(section, scene));
     if (!gn_scene_tested(scene)) return check_no_test(section, scene);
-    if (gn_scene_test(scene)->isotropic) return check_isotropic(section, scene);
+    const gn_test_descriptor *d = gn_scene_test(scene);
+    if (d->isotropic || d->enclosed) return check_endless(section, scene);
     if (gn_scene_test(scene)->tool) return check_cutting(section, scene);
     const char *missing = t->axis < 0       ? "test.axis"
                           : !t->lower.count ? "test.lower"

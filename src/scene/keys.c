@@ -1,5 +1,6 @@
 #define _GNU_SOURCE /* strcasestr */
 #include "base/names.h"
+#include "scene/foreign.h"
 #include "scene/manifest.h"
 #include "scene/problems.h"
 #include "scene/units.h"
@@ -37,6 +38,12 @@ static void describe_choices(char *text, size_t size, const gn_key *key) {
     }
 }
 
+static const char *vector_text(const gn_key *key) {
+    return key->second ? "[x, y, z], in 2D [x, y], of numbers, formulas of t or tables"
+           : key->shape_dimension == 3 ? "[x, y, z]"
+                                       : "[x, y, z], in 2D [x, y]";
+}
+
 void gn_key_describe(const gn_key *key, char *text, size_t size) {
     switch (key->type) {
     case GN_KEY_REAL:
@@ -59,8 +66,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         describe_choices(text, size, key);
         return;
     case GN_KEY_VECTOR:
-        describe_numbers(text, size,
-                         key->shape_dimension == 3 ? "[x, y, z]" : "[x, y, z], in 2D [x, y]", key);
+        describe_numbers(text, size, vector_text(key), key);
         return;
     case GN_KEY_SPIN:
         describe_numbers(text, size, "[x, y, z], in 2D a number", key);
@@ -69,7 +75,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         describe_numbers(text, size, "[x, y, z], in 2D [x, y]", key);
         return;
     case GN_KEY_TABLE:
-        describe_numbers(text, size, "number or table [[time, value], ...]", key);
+        describe_numbers(text, size, "number, formula of t or table [[time, value], ...]", key);
         return;
     case GN_KEY_IDS:
         describe_numbers(text, size, "list of whole numbers", key);
@@ -189,12 +195,19 @@ static bool is_synonym(const char *word, const char *path) {
     return false;
 }
 
+/* Tells whether another program has the name for what this key gives. */
+static bool is_foreign(const char *name, const char *path) {
+    for (const gn_foreign_name *f = gn_foreign_next(name, NULL); f; f = gn_foreign_next(name, f))
+        if (strcmp(path, f->key) == 0) return true;
+    return false;
+}
+
 enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
 
 /* Returns how well a key matches a word, 0 best; RANKS: not at all. */
 static int rank_of_word(const char *word, const char *path, const gn_key *key) {
     char type[GN_KEY_TYPE_SIZE];
-    if (strncasecmp(path, word, strlen(word)) == 0) return RANK_START;
+    if (strncasecmp(path, word, strlen(word)) == 0 || is_foreign(word, path)) return RANK_START;
     if (strcasestr(path, word)) return RANK_NAME;
     gn_key_describe(key, type, sizeof type);
     return strcasestr(key->text, word) || strcasestr(type, word) || is_synonym(word, path)
@@ -202,13 +215,32 @@ static int rank_of_word(const char *word, const char *path, const gn_key *key) {
                : RANKS;
 }
 
-/* Tells whether the words together are one term, such as "crack mouth". */
-static bool is_term(const key_printer *printer, const char *path) {
-    char term[256] = "";
-    for (size_t k = 0, used = 0; k < printer->sought_count && used < sizeof term; k++)
-        used += (size_t)snprintf(term + used, sizeof term - used, "%s%s", k ? " " : "",
+enum { TERM_SIZE = 256 };
+
+/* Writes the words as one term, such as "crack mouth". */
+static void join_words(const key_printer *printer, char term[TERM_SIZE]) {
+    *term = '\0';
+    for (size_t k = 0, used = 0; k < printer->sought_count && used < TERM_SIZE; k++)
+        used += (size_t)snprintf(term + used, TERM_SIZE - used, "%s%s", k ? " " : "",
                                  printer->sought[k]);
-    return printer->sought_count > 1 && is_synonym(term, path);
+}
+
+static bool is_term(const key_printer *printer, const char *path) {
+    char term[TERM_SIZE];
+    join_words(printer, term);
+    return printer->sought_count > 1 && (is_synonym(term, path) || is_foreign(term, path));
+}
+
+/* Prints what the term means in other programs. */
+static void print_foreign(const key_printer *printer) {
+    char term[TERM_SIZE], text[GN_FOREIGN_SIZE];
+    join_words(printer, term);
+    const gn_foreign_name *first = gn_foreign_next(term, NULL);
+    for (const gn_foreign_name *f = first; f; f = gn_foreign_next(term, f)) {
+        gn_foreign_describe(f, text, sizeof text);
+        fprintf(printer->out, "%s\n", text);
+    }
+    if (first) fputc('\n', printer->out);
 }
 
 /* A key must contain all of several words; its rank is the lowest one. */
@@ -256,6 +288,7 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
               "of a list; `--set` reaches it by index or name, as in `walls.top.motion.vz=0.1`.\n\n"
               "| key | value | default | meaning |\n| --- | --- | --- | --- |\n",
               out);
+    print_foreign(&p);
     for (p.rank = 0; p.rank < RANKS; p.rank++)
         visit_section(&gn_scene_section, "", print_ranked, &p);
     return p.count;

@@ -71,6 +71,7 @@ typedef struct gn_membrane_def {
 /* Motion of a pair of sides of a periodic box; without a table the pair is fixed. */
 typedef struct gn_box_side {
     gn_table stress; /* Pa, target, compression positive; or */
+    bool of_mean;    /* `stress` is the target of the mean of the stresses along all axes */
     gn_table rate;   /* 1/s, rate of change of the length over the length */
     gn_scene_place rate_where;
     double max_rate;   /* 1/s, with `stress` */

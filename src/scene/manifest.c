@@ -7,6 +7,7 @@ const gn_choice gn_switches[] = {
     {"false", GN_SWITCH_OFF}, {"yes", GN_SWITCH_ON}, {"no", GN_SWITCH_OFF},  {NULL, 0}};
 const gn_choice gn_booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
                                  {"yes", 1},  {"no", 0},    {NULL, 0}};
+const gn_choice gn_held_stresses[] = {{"side", 0}, {"mean", 1}, {NULL, 0}};
 static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
                                              {"arithmetic", GN_STIFFNESS_ARITHMETIC},
                                              {"harmonic", GN_STIFFNESS_HARMONIC},
@@ -17,6 +18,11 @@ static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
                                              {"polyhedron", GN_STIFFNESS_POLYHEDRON},
                                              {"hertz", GN_STIFFNESS_HERTZ},
                                              {NULL, 0}};
+static const gn_choice cohesions[] = {{"none", GN_COHESION_NONE},
+                                      {"jkr", GN_COHESION_JKR},
+                                      {"dmt", GN_COHESION_DMT},
+                                      {"liquid", GN_COHESION_LIQUID},
+                                      {NULL, 0}};
 static const gn_choice gamma_rules[] = {
     {"volume", GN_GAMMA_VOLUME}, {"porosity", GN_GAMMA_POROSITY}, {NULL, 0}};
 static const gn_choice contact_arms[] = {
@@ -88,6 +94,10 @@ static const gn_key material_keys[] = {
     REAL("twisting_friction", gn_material, twisting_friction, "1", GN_FRICTIONS, BY("0"),
          "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: "
          "no resistance"),
+    REAL(
+        "adhesion", gn_material, adhesion, "J/m2", "[0, 1e6]", BY("0"),
+        "with law.cohesion jkr and dmt: work of adhesion w of two surfaces of this material, twice "
+        "its surface energy; of two materials the geometric mean"),
     REAL("restitution", gn_material, restitution, "1", "[0, 1]", OR("none", -1),
          "with hertz: restitution coefficient of its contacts, the smaller one of two materials; "
          "none: that of damping.contact"),
@@ -159,6 +169,19 @@ static const gn_key law_keys[] = {
     CHOICE("pull", gn_scene, pull, gn_booleans, BY("true"),
            "with hertz: the dashpot may exert tension at the end of a collision; false: the total "
            "force is cut off at zero, and the dashpot is adjusted to keep the restitution"),
+    CHOICE(
+        "cohesion", gn_scene, cohesion, cohesions, BY("none"),
+        "with hertz: attraction of particles; jkr: Johnson, Kendall and Roberts 1971, with necks; "
+        "dmt: constant pull-off force while they touch; liquid: bridges of liquid (Willett et al. "
+        "2000)"),
+    REAL("surface_tension", gn_scene, surface_tension, "N/m", "(0, 100]", OR("none", 0),
+         "surface tension of the liquid; needed by cohesion liquid"),
+    REAL(
+        "contact_angle", gn_scene, contact_angle, "rad", "[0, 0.8726646259971648]", BY("0"),
+        "angle of the liquid on the particles, with cohesion liquid; at most 50 degrees, the range "
+        "of the fit"),
+    REAL("liquid_content", gn_scene, liquid_content, "1", "(0, 0.5]", OR("none", 0),
+         "volume of the liquid over that of the particles at the start; needed by cohesion liquid"),
     CHOICE("rotation", gn_scene, rotation, gn_switches, BY("auto"), "particles rotate; auto: on"),
     CHOICE("coupling", gn_scene, coupling, couplings, BY("none"),
            "reduction of a bond's shear strength by tension; quadratic: the bond breaks when the "
@@ -259,6 +282,9 @@ TABLE_OF(initial);
             .word = "none", .fallback = "none",                                                    \
             .text = "target mean normal stress of the specimen along this axis, compression "      \
                     "positive; constant or a table; stress or rate"),                              \
+        CHOICE("stress_of", gn_scene, box[K].of_mean, gn_held_stresses, BY("side"),                \
+               "side: stress is that along this axis; mean: it is the mean over all axes, which "  \
+               "the sides with this word hold by equal stresses of their own"),                    \
         KEY("rate", TABLE, gn_scene, box[K].rate, .unit = "1/s", .range = "[-1e6, 1e6]",           \
             .word = "none", .fallback = "none",                                                    \
             .text = "prescribed growth of the length of the box over its length",                  \
@@ -369,8 +395,8 @@ static const gn_key set_keys[] = {
            PRESENT(BOOL, gn_set_def, has_initial_velocity), "velocity at the start"),
     SPIN("initial_spin", gn_set_def, initial_spin, "rad/s", GN_SPINS,
          PRESENT(BOOL, gn_set_def, has_initial_spin), "spin at the start; in 2D one number"),
-    VECTOR("force", gn_set_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_set_def, has_force),
-           "total force on the set, distributed by mass"),
+    VARYING("force", gn_set_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_set_def, has_force),
+            "total force on the set, distributed by mass"),
     SECTION("motion", set_motion_section, .offset = offsetof(gn_set_def, motion),
             .text =
                 "prescribed motion; each channel free, constant or a table [[time, value], ...]"),
@@ -383,6 +409,10 @@ static const gn_key servo_keys[] = {
     TABLE("stress", gn_wall_def, servo.stress, "Pa", GN_TRACTIONS, OR("none", 0),
           "target normal stress on the area of the wall, compression positive; constant or a "
           "table; force or stress"),
+    CHOICE(
+        "stress_of", gn_wall_def, servo.of_mean, gn_held_stresses, BY("side"),
+        "side: stress is that on this wall; mean: it is the mean over all axes of a box of walls, "
+        "which the walls with this word hold by equal stresses of their own"),
     REAL("area", gn_wall_def, servo.area, "m2", GN_AREAS, OR("auto", 0),
          "area for stress; auto: the current section between the walls that face each other across "
          "this one"),
@@ -474,8 +504,8 @@ static const gn_key scene_keys[] = {
             .text = "coupling of particles and elements in zones that both share"),
     SECTION("bonds", bonds_section, .text = "brittle bonds between particles of one group"),
     SECTION("damping", damping_section, .text = "dissipation in addition to friction and breakage"),
-    VECTOR("gravity", gn_scene, gravity, "m/s2", GN_ACCELERATIONS, BY("0"),
-           "acceleration of free fall"),
+    VARYING("gravity", gn_scene, gravity, "m/s2", GN_ACCELERATIONS, BY("0"),
+            "acceleration of free fall"),
     SECTION("initial", initial_section, .text = "the state at the start"),
     SECTION("periodic", periodic_section, PRESENT(BOOL, gn_scene, has_periodic),
             .text = "a periodic box"),

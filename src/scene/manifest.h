@@ -7,18 +7,19 @@
 #include "scene/units.h"
 
 typedef enum gn_key_type {
-    GN_KEY_REAL,      /* double, a quantity in `unit` */
-    GN_KEY_INTEGER,   /* int64_t */
-    GN_KEY_SEED,      /* uint64_t */
-    GN_KEY_TEXT,      /* char[size] */
-    GN_KEY_NAME,      /* char[size], a name: not empty, usable in an override */
-    GN_KEY_FILE,      /* char[size], an existing file; its absolute path is stored at `second` */
-    GN_KEY_CHOICE,    /* bool, enum or int64_t, depending on `size` */
-    GN_KEY_VECTOR,    /* double[3]; two components in 2D scenes */
-    GN_KEY_SPIN,      /* double[3]; one number, about z, in 2D scenes */
-    GN_KEY_CELLS,     /* int64_t[3]; two components in 2D scenes */
-    GN_KEY_TABLE,     /* gn_table: constant or [[time, value], ...] */
-    GN_KEY_IDS,       /* int64_t *, their count at `second` */
+    GN_KEY_REAL,    /* double, a quantity in `unit` */
+    GN_KEY_INTEGER, /* int64_t */
+    GN_KEY_SEED,    /* uint64_t */
+    GN_KEY_TEXT,    /* char[size] */
+    GN_KEY_NAME,    /* char[size], a name: not empty, usable in an override */
+    GN_KEY_FILE,    /* char[size], an existing file; its absolute path is stored at `second` */
+    GN_KEY_CHOICE,  /* bool, enum or int64_t, depending on `size` */
+    GN_KEY_VECTOR,  /* double[3]; two components in 2D scenes; if components may vary over time, the
+                       gn_table[3] for them is at `second` */
+    GN_KEY_SPIN,    /* double[3]; one number, about z, in 2D scenes */
+    GN_KEY_CELLS,   /* int64_t[3]; two components in 2D scenes */
+    GN_KEY_TABLE,   /* gn_table: constant, [[time, value], ...] or a formula of t */
+    GN_KEY_IDS,     /* int64_t *, their count at `second` */
     GN_KEY_PARTICLES, /* double *, their count at `second`; rows [x, y, z, r], in 2D [x, y, r]; or a
                          whole number in `range` instead, which goes to the int64_t at `number` */
     GN_KEY_POINTS,    /* double *, their count at `second`; rows [x, y], at least 3 or `number` */
@@ -143,6 +144,10 @@ size_t gn_key_element_size(const gn_key *key);
 /* Lists the shapes of a dimension: "box, cylinder, ...". */
 enum { GN_SHAPE_NAMES_SIZE = 128 };
 void gn_shape_names(int64_t dimension, char names[GN_SHAPE_NAMES_SIZE]);
+
+/* Returns the number of tables of a key, and the first of them in the struct `base` of its section.
+ */
+size_t gn_key_tables(const gn_key *key, void *base, gn_table **first);
 
 /* gn_choice_load returns the value of a GN_KEY_CHOICE at its address, gn_choice_store writes it. */
 int64_t gn_choice_load(const gn_key *key, const void *at);

@@ -69,6 +69,12 @@ size_t gn_key_element_size(const gn_key *key) {
     }
 }
 
+size_t gn_key_tables(const gn_key *key, void *base, gn_table **first) {
+    const bool varies = key->type == GN_KEY_VECTOR && key->second;
+    *first = (gn_table *)(void *)((char *)base + (varies ? key->second : key->offset));
+    return varies ? 3 : key->type == GN_KEY_TABLE;
+}
+
 void gn_shape_names(int64_t dimension, char names[GN_SHAPE_NAMES_SIZE]) {
     names[0] = '\0';
     for (size_t k = 0; k < gn_specimen_section.key_count; k++) {

@@ -161,10 +161,9 @@ static const gn_key body_keys[] = {
     SPIN("initial_spin", gn_body_def, initial_spin, "rad/s", GN_SPINS,
          PRESENT(BOOL, gn_body_def, has_initial_spin),
          "spin of a free body at the start; in 2D one number"),
-    VECTOR(
-        "force", gn_body_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_body_def, has_force),
-        "constant force on the centre of mass of a free body, along directions without prescribed "
-        "motion"),
+    VARYING("force", gn_body_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_body_def, has_force),
+            "force on the centre of mass of a free body, along directions without prescribed "
+            "motion"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
             .text =
                 "prescribed motion of the body; components left out are zero, in a free body free"),
@@ -217,6 +216,7 @@ static const gn_key contact_keys[] = {
           "R_t of the uniform law, instead of the smaller"),
     VALUE("bond_friction", bond_friction, GN_SLOPE, GN_FRICTIONS,
           "mu_1 of a bond, instead of the smaller"),
+    VALUE("adhesion", adhesion, "J/m2", "[0, 1e6]", "w, instead of the geometric mean"),
     VALUE("rolling_friction", rolling_friction, "1", GN_FRICTIONS, "mu_r, instead of the smaller"),
     VALUE("twisting_friction", twisting_friction, "1", GN_FRICTIONS,
           "mu_t, instead of the smaller"),

@@ -29,7 +29,8 @@
 #define GN_PRESSURES     "[0, 1e18]"     /* Pa */
 
 /* Words that several tables use. */
-extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[];
+extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[],
+    gn_held_stresses[];
 
 /* A key TYPE called NAME for the member FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
@@ -48,6 +49,10 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
     KEY(NAME, REAL, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
 #define VECTOR(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                     \
     KEY(NAME, VECTOR, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+/* A vector whose components may be tables or formulas, which go to FIELD_over_time. */
+#define VARYING(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                    \
+    KEY(NAME, VECTOR, STRUCT, FIELD, .second = offsetof(STRUCT, FIELD##_over_time), .unit = UNIT,  \
+        .range = RANGE, DEFAULT, .text = __VA_ARGS__)
 #define SPIN(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                       \
     KEY(NAME, SPIN, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
 #define TABLE(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                      \

@@ -41,11 +41,11 @@ static const gn_key test_keys[] = {
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
           PRESENT(COUNT, gn_scene, test.lower.count), PLACED(gn_scene, test.lower.where),
           .text = "wall, body, set or motion of elements at the lower end; forces of several add "
-                  "up; needed by all but hydrostatic and cutting"),
+                  "up; needed by all but hydrostatic, polyaxial and cutting"),
     ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count,
           PRESENT(COUNT, gn_scene, test.upper.count), PLACED(gn_scene, test.upper.where),
           .text = "wall, body, set or motion of elements at the upper end; forces of several add "
-                  "up; needed by all but hydrostatic and cutting"),
+                  "up; needed by all but hydrostatic, polyaxial and cutting"),
     CHOICE("normal", gn_scene, test.normal, gn_axes_or_none, BY("none"),
            "shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of "
            "the rock"),
@@ -71,7 +71,7 @@ static const gn_key test_keys[] = {
     REAL("length", gn_scene, test.given.length, "m", GN_LENGTHS, OR("auto", 0),
          "length of the specimen; auto: its extent along the axis, in shear the free distance "
          "between the ends along the normal; cutting: path of the means, auto: until the tool "
-         "leaves the rock"),
+         "leaves the rock, or comes near held particles"),
     REAL("area", gn_scene, test.given.area, "m2", GN_AREAS, OR("auto", 0),
          "area of the section of the specimen; auto: from the diameter, else the specimen's volume "
          "over the length "
@@ -240,11 +240,21 @@ const gn_section gn_stage_section = {KEYS_OF(stage), sizeof(gn_stage), offsetof(
 
 /* ---- keys of `output` ---- */
 
+static const gn_key structure_keys[] = {
+    VECTOR("min", gn_scene, structure_min, "m", GN_PLACES, REQUIRED, "lower corner of the box"),
+    VECTOR("max", gn_scene, structure_max, "m", GN_PLACES, REQUIRED, "upper corner of the box"),
+};
+TABLE_OF(structure);
+
 static const gn_key output_keys[] = {
     TEXT("directory", gn_scene, output_directory, BY(""),
          "folder of the results; left out: runs/ and the name of the scene"),
     INTEGER("history_rows", gn_scene, history_rows, "[0, 10000000]", BY("1000"),
             "rows of the history up to time.end; up to twice as many if a test ends before"),
+    SECTION("structure", structure_section, PRESENT(BOOL, gn_scene, has_structure),
+            .text =
+                "box in which porosity, coordination, fabric and sliding contacts of the history "
+                "are measured; left out: the whole specimen"),
     INTEGER("snapshots", gn_scene, snapshots, "[0, 1000000]", BY("10"),
             "snapshots up to the end, besides those at the peak of a test and at half of it; 0: "
             "only the last state"),

@@ -3,6 +3,8 @@
 #include "base/memory.h"
 #include "base/names.h"
 #include "base/printable.h"
+#include "scene/foreign.h"
+#include "scene/formula.h"
 
 #include <errno.h>
 #include <math.h>
@@ -83,13 +85,14 @@ static const char *words_of(const gn_key *key, char text[80]) {
     return text;
 }
 
-static gneiss_status out_of_range(const gn_reader *reader, const gn_key *key, const gn_node *node) {
+static gneiss_status out_of_range(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                                  const char *reason) {
     char expected[160], words[80];
     const char *unit =
         key->unit && gn_unit_is_shown(key->unit) && !strchr(key->unit, '|') ? key->unit : "";
     snprintf(expected, sizeof expected, "a value in %s%s%s%s", key->range, *unit ? " " : "", unit,
              words_of(key, words));
-    return unexpected(reader, node, expected, "");
+    return unexpected(reader, node, expected, reason);
 }
 
 /* Reads a number in `unit`; words are not accepted. */
@@ -99,7 +102,7 @@ static gneiss_status read_number(const gn_reader *reader, const gn_key *key, con
     if (node->kind == GN_NODE_SCALAR &&
         gn_read_quantity(reader, node->text, unit, value, reason, sizeof reason)) {
         if (key->range && !gn_range_holds(key->range, *value))
-            return out_of_range(reader, key, node);
+            return out_of_range(reader, key, node, "");
         const char *note = gn_unit_note(node->text);
         if (note) gn_read_note(reader, node, reader->path, false, note);
         return GNEISS_OK;
@@ -221,42 +224,6 @@ static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const
 
 /* ---- vectors and tables ---- */
 
-static gneiss_status read_component(gn_reader *reader, const gn_key *key, const gn_node *node,
-                                    size_t index, void *at) {
-    size_t mark = path_push_index(reader, index);
-    gneiss_status status = key->type == GN_KEY_CELLS
-                               ? read_integer(reader, key, node, (int64_t *)at + index)
-                               : read_number(reader, key, key->unit, node, (double *)at + index);
-    path_pop(reader, mark);
-    return status;
-}
-
-static gneiss_status read_vector(gn_reader *reader, const gn_key *key, const gn_node *node,
-                                 void *at) {
-    bool plane = reader->scene->dimension == 2;
-    if (plane && key->type == GN_KEY_SPIN && node->kind == GN_NODE_SCALAR)
-        return read_number(reader, key, key->unit, node, (double *)at + 2);
-    bool short_form = plane && key->type != GN_KEY_SPIN && node->count == 2;
-    if (node->kind != GN_NODE_LIST || !(node->count == 3 || short_form))
-        return unexpected(reader, node,
-                          !plane                     ? "a list of 3 components"
-                          : key->type == GN_KEY_SPIN ? "a spin about z such as '30 deg/s'"
-                                                     : "a list of 2 components",
-                          node->kind == GN_NODE_LIST ? " of another length" : "");
-    size_t index = 0;
-    for (const gn_node *item = node->first; item; item = item->next)
-        GN_TRY(read_component(reader, key, item, index++, at));
-    if (key->type == GN_KEY_CELLS) {
-        if (short_form) ((int64_t *)at)[2] = 1;
-        return GNEISS_OK;
-    }
-    double *v = at;
-    bool in_plane = key->type == GN_KEY_SPIN ? v[0] == 0 && v[1] == 0 : v[2] == 0;
-    if (plane && !in_plane)
-        return unexpected(reader, node, "nothing out of the plane of a 2D scene", "");
-    return GNEISS_OK;
-}
-
 static gneiss_status read_table_row(gn_reader *reader, const gn_key *key, const gn_node *row,
                                     size_t index, gn_table *table) {
     static const gn_key time = {.name = "time", .unit = "s"};
@@ -269,21 +236,67 @@ static gneiss_status read_table_row(gn_reader *reader, const gn_key *key, const 
     return GNEISS_OK;
 }
 
+/* Samples a formula from 0 to the end of the scene, at uneven distances, so that an oscillation of
+ * any frequency is seen. Values that are not finite count as 0 here: whether they occur is known
+ * when they are needed. */
+static gneiss_status sample(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                            gn_table *table) {
+    const double end = reader->end > 0.0 ? reader->end : 1.0;
+    for (size_t k = 0; k < table->count; k++) {
+        const double golden = 0.61803398874989485 * (double)k, last = (double)(table->count - 1),
+                     uneven = (double)k < last ? 0.5 * (golden - floor(golden)) : 0.0;
+        table->time[k] = end * ((double)k + uneven) / last;
+        table->value[k] = gn_formula_at(table->formula, table->time[k]);
+        if (!key->range || gn_range_holds(key->range, table->value[k])) continue;
+        char reason[96];
+        snprintf(reason, sizeof reason, ", which is %g at t = %g s", table->value[k],
+                 table->time[k]);
+        return out_of_range(reader, key, node, reason);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status make_table(const gn_reader *reader, const gn_node *node, size_t count,
+                                gn_table *table) {
+    table->count = count;
+    table->stage = node->stage;
+    table->time = gn_alloc_array(count, sizeof(double));
+    table->value = gn_alloc_array(count, sizeof(double));
+    return table->time && table->value ? GNEISS_OK : no_memory(reader);
+}
+
+static gneiss_status read_formula(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                                  gn_table *table) {
+    char reason[96];
+    GN_TRY(make_table(reader, node, GN_FORMULA_POINTS, table));
+    table->formula =
+        gn_formula_add(&reader->scene->formulas, node->text, reader->path, reason, sizeof reason);
+    if (table->formula) return sample(reader, key, node, table);
+    return *reason ? unexpected(reader, node,
+                                "a formula of t in SI units such as '0.1*sin(2*pi*t)'", reason)
+                   : no_memory(reader);
+}
+
+/* A text that is a quantity is no formula: 't' is also the unit tonne. */
+static bool is_formula(const gn_reader *reader, const gn_key *key, const gn_node *node) {
+    char reason[96];
+    double value;
+    return node->kind == GN_NODE_SCALAR && gn_formula_is(node->text) &&
+           !gn_read_quantity(reader, node->text, key->unit, &value, reason, sizeof reason);
+}
+
 static gneiss_status read_table(gn_reader *reader, const gn_key *key, const gn_node *node,
                                 gn_table *table) {
     if (is_word(key, node)) return GNEISS_OK;
+    if (is_formula(reader, key, node)) return read_formula(reader, key, node, table);
     bool constant = node->kind == GN_NODE_SCALAR;
     if (!constant && (node->kind != GN_NODE_LIST || node->count == 0)) {
         char expected[160];
-        snprintf(expected, sizeof expected, "%s%s or a table [[time, value], ...]",
+        snprintf(expected, sizeof expected, "%s%s, a formula of t or a table [[time, value], ...]",
                  gn_unit_text(key->unit), key->word ? ", 'free'" : "");
         return unexpected(reader, node, expected, "");
     }
-    table->count = constant ? 1 : node->count;
-    table->stage = node->stage;
-    table->time = gn_alloc_array(table->count, sizeof(double));
-    table->value = gn_alloc_array(table->count, sizeof(double));
-    if (!table->time || !table->value) return no_memory(reader);
+    GN_TRY(make_table(reader, node, constant ? 1 : node->count, table));
     if (constant) return read_number(reader, key, key->unit, node, &table->value[0]);
     size_t index = 0;
     for (const gn_node *row = node->first; row; row = row->next, index++) {
@@ -291,6 +304,57 @@ static gneiss_status read_table(gn_reader *reader, const gn_key *key, const gn_n
         GN_TRY(read_table_row(reader, key, row, index, table));
         path_pop(reader, mark);
     }
+    return GNEISS_OK;
+}
+
+/* Reads a component that varies over time; the vector gets its first value that is not 0. */
+static gneiss_status read_varying(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                  gn_table *table, double *value) {
+    GN_TRY(read_table(reader, key, node, table));
+    for (size_t k = 0; k < table->count && *value == 0.0; k++) *value = table->value[k];
+    reader->scene->loads_vary = true;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_component(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                    size_t index, char *base) {
+    size_t mark = path_push_index(reader, index);
+    void *at = base + key->offset;
+    gn_table *table;
+    const bool varies = gn_key_tables(key, base, &table) == 3 &&
+                        (node->kind == GN_NODE_LIST || is_formula(reader, key, node));
+    gneiss_status status =
+        key->type == GN_KEY_CELLS ? read_integer(reader, key, node, (int64_t *)at + index)
+        : varies ? read_varying(reader, key, node, table + index, (double *)at + index)
+                 : read_number(reader, key, key->unit, node, (double *)at + index);
+    path_pop(reader, mark);
+    return status;
+}
+
+static gneiss_status read_vector(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                 char *base) {
+    void *at = base + key->offset;
+    bool plane = reader->scene->dimension == 2;
+    if (plane && key->type == GN_KEY_SPIN && node->kind == GN_NODE_SCALAR)
+        return read_number(reader, key, key->unit, node, (double *)at + 2);
+    bool short_form = plane && key->type != GN_KEY_SPIN && node->count == 2;
+    if (node->kind != GN_NODE_LIST || !(node->count == 3 || short_form))
+        return unexpected(reader, node,
+                          !plane                     ? "a list of 3 components"
+                          : key->type == GN_KEY_SPIN ? "a spin about z such as '30 deg/s'"
+                                                     : "a list of 2 components",
+                          node->kind == GN_NODE_LIST ? " of another length" : "");
+    size_t index = 0;
+    for (const gn_node *item = node->first; item; item = item->next)
+        GN_TRY(read_component(reader, key, item, index++, base));
+    if (key->type == GN_KEY_CELLS) {
+        if (short_form) ((int64_t *)at)[2] = 1;
+        return GNEISS_OK;
+    }
+    double *v = at;
+    bool in_plane = key->type == GN_KEY_SPIN ? v[0] == 0 && v[1] == 0 : v[2] == 0;
+    if (plane && !in_plane)
+        return unexpected(reader, node, "nothing out of the plane of a 2D scene", "");
     return GNEISS_OK;
 }
 
@@ -490,7 +554,7 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
     case GN_KEY_VECTOR:
     case GN_KEY_SPIN:
     case GN_KEY_CELLS:
-        return read_vector(reader, key, node, at);
+        return read_vector(reader, key, node, base);
     case GN_KEY_TABLE:
         return read_table(reader, key, node, (gn_table *)at);
     case GN_KEY_IDS:
@@ -526,9 +590,30 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     if (!key->fallback) return GNEISS_OK;
     gn_node node = {.kind = GN_NODE_SCALAR, .text = key->fallback};
     if (key->type != GN_KEY_VECTOR) return read_key(reader, key, &node, base);
-    for (size_t k = 0; k < 3; k++)
-        GN_TRY(read_component(reader, key, &node, k, base + key->offset));
+    for (size_t k = 0; k < 3; k++) GN_TRY(read_component(reader, key, &node, k, base));
     return GNEISS_OK;
+}
+
+/* Returns the name of the key at the end of a path if the section has it, else NULL. */
+static const char *own_key(const gn_section *section, const char *path) {
+    const char *dot = strrchr(path, '.'), *name = dot ? dot + 1 : path;
+    for (size_t k = 0; k < section->key_count; k++)
+        if (strcmp(section->keys[k].name, name) == 0) return section->keys[k].name;
+    return NULL;
+}
+
+/* Writes what an unknown key may stand for: a name of another program, or a misspelt one. */
+static void advise(const gn_section *section, const char *key, gn_names *names, char *text,
+                   size_t size) {
+    const gn_foreign_name *foreign = gn_foreign_next(key, NULL);
+    if (foreign) {
+        names->nearest = own_key(section, foreign->key);
+        gn_foreign_describe(foreign, text, size);
+    } else if (names->nearest) {
+        snprintf(text, size, "did you mean '%s'?", names->nearest);
+    } else {
+        snprintf(text, size, "expected one of %s", names->known);
+    }
 }
 
 /* Reports an unknown key. The key that was probably intended counts as having a problem, or else
@@ -536,17 +621,14 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
     gn_names names = gn_names_for(node->key);
-    gneiss_status status;
+    char advice[512];
     for (size_t k = 0; k < section->key_count; k++) gn_names_add(&names, section->keys[k].name);
     for (size_t k = 0; section == &gn_stage_section && k < gn_scene_section.key_count; k++)
         gn_names_add(&names, gn_scene_section.keys[k].name);
     size_t mark = path_push_name(reader, node->key);
-    if (names.nearest)
-        status = gn_read_fail(reader, node, node->key_where, reader->path,
-                              "unknown key '%.60s'; did you mean '%s'?", node->key, names.nearest);
-    else
-        status = gn_read_fail(reader, node, node->key_where, reader->path,
-                              "unknown key '%.60s'; expected one of %s", node->key, names.known);
+    advise(section, node->key, &names, advice, sizeof advice);
+    gneiss_status status = gn_read_fail(reader, node, node->key_where, reader->path,
+                                        "unknown key '%.60s'; %s", node->key, advice);
     path_pop(reader, mark);
     if (names.nearest) path_push_name(reader, names.nearest);
     if (names.nearest || section != &gn_scene_section)
@@ -627,5 +709,10 @@ gneiss_status gn_read_keys(gn_reader *reader, const gn_section *section, const g
 }
 
 gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root) {
+    char reason[96];
+    const gn_node *end = gn_node_find(root, "time.end");
+    if (!end || end->kind != GN_NODE_SCALAR ||
+        !gn_units_read(reader->units, end->text, "s", &reader->end, reason, sizeof reason))
+        reader->end = 0.0;
     return read_section(reader, &gn_scene_section, root, (char *)reader->scene);
 }

@@ -14,6 +14,7 @@ typedef struct gn_reader {
     const char *folder;
     size_t wanted_stage; /* number of the stage, from 1, see gn_read_stages; 0: the base */
     bool specimen_only;  /* see gn_scene_load_specimen */
+    double end;          /* s: time.end, up to which formulas are sampled */
     gn_units *units;
     gn_scene *scene;
     gneiss_error *error;

@@ -4,6 +4,7 @@
 #include "scene/sides.h"
 
 #include "base/memory.h"
+#include "scene/formula.h"
 #include "scene/read.h"
 #include "scene/stages_check.h"
 
@@ -270,9 +271,10 @@ static void free_section(const gn_section *section, char *base) {
         const gn_key *key = &section->keys[k];
         char *at = base + key->offset;
         if (key->type == GN_KEY_SECTION) free_section(key->section, at);
-        if (key->type == GN_KEY_TABLE) {
-            gn_free(((gn_table *)at)->time);
-            gn_free(((gn_table *)at)->value);
+        gn_table *table;
+        for (size_t t = gn_key_tables(key, base, &table); t > 0; t--, table++) {
+            gn_free(table->time);
+            gn_free(table->value);
         }
         if (!gn_key_element_size(key)) continue;
         char *array;
@@ -288,6 +290,7 @@ static void free_section(const gn_section *section, char *base) {
 void gn_scene_free(gn_scene *scene) {
     if (!scene) return;
     free_section(&gn_scene_section, (char *)scene);
+    gn_formulas_free(scene->formulas);
     gn_free(scene->specimen.packed);
     gn_particle_columns_free(&scene->specimen.packed_columns);
     gn_free(scene->overridden);
@@ -311,17 +314,23 @@ static bool own_array(void *slot, size_t count, size_t size) {
     return own || !from || !count;
 }
 
-static bool own_section(const gn_section *section, char *base) {
+static bool own_table(gn_table *table, gn_formula **formulas) {
+    bool held = own_array(&table->time, table->count, sizeof(double));
+    held &= own_array(&table->value, table->count, sizeof(double));
+    if (!table->formula) return held;
+    table->formula = gn_formula_copy(table->formula, formulas);
+    return held && table->formula;
+}
+
+static bool own_section(const gn_section *section, char *base, gn_formula **formulas) {
     bool held = true;
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         char *at = base + key->offset;
-        if (key->type == GN_KEY_SECTION) held &= own_section(key->section, at);
-        if (key->type == GN_KEY_TABLE) {
-            gn_table *table = (gn_table *)at;
-            held &= own_array(&table->time, table->count, sizeof(double));
-            held &= own_array(&table->value, table->count, sizeof(double));
-        }
+        if (key->type == GN_KEY_SECTION) held &= own_section(key->section, at, formulas);
+        gn_table *table;
+        for (size_t t = gn_key_tables(key, base, &table); t > 0; t--, table++)
+            held &= own_table(table, formulas);
         size_t size = gn_key_element_size(key);
         if (!size) continue;
         size_t count = *(size_t *)(base + key->second);
@@ -329,7 +338,7 @@ static bool own_section(const gn_section *section, char *base) {
         char *array;
         memcpy(&array, at, sizeof array);
         for (size_t item = 0; key->type == GN_KEY_LIST && array && item < count; item++)
-            held &= own_section(key->section, array + item * size);
+            held &= own_section(key->section, array + item * size, formulas);
     }
     return held;
 }
@@ -338,10 +347,11 @@ gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *er
     *to = *from;
     to->specimen.packed = NULL;
     to->specimen.packed_count = 0;
+    to->formulas = NULL;
     to->specimen.packed_columns = (gn_particle_columns){0};
     const size_t size = from->overridden ? strlen(from->overridden) + 1 : 0;
     const bool held = own_array(&to->overridden, size, 1);
-    if (own_section(&gn_scene_section, (char *)to) && held) return GNEISS_OK;
+    if (own_section(&gn_scene_section, (char *)to, &to->formulas) && held) return GNEISS_OK;
     gn_scene_free(to);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a copy of the scene",
                    from->source);
@@ -402,6 +412,7 @@ static gn_effects hertz_effects(const gn_scene *scene) {
         damping = damping || scene->contacts[k].restitution >= 0;
     }
     return GN_FX_PAIRS | GN_FX_HERTZ | (scene->pull ? 0U : GN_FX_NO_PULL) |
+           (scene->cohesion != GN_COHESION_NONE ? GN_FX_COHESION : 0U) |
            (friction ? GN_FX_SHEAR | GN_FX_FRICTION : 0U) | (damping ? GN_FX_CONTACT_DAMPING : 0U);
 }
 
@@ -457,8 +468,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     if (scene->dimension == 3) mask |= GN_FX_SPACE;
     if (scene->has_specimen && scene->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
     if (scene->has_elements) mask |= GN_FX_ELEMENTS;
-    if (scene->gravity[0] != 0 || scene->gravity[1] != 0 || scene->gravity[2] != 0)
-        mask |= GN_FX_GRAVITY;
+    if (gn_scene_has_gravity(scene)) mask |= GN_FX_GRAVITY;
     for (size_t k = 0; k < scene->set_count; k++) {
         if (scene->sets[k].has_force) mask |= GN_FX_APPLIED;
         if (is_prescribed(&scene->sets[k].motion)) mask |= GN_FX_PRESCRIBED;
@@ -504,6 +514,7 @@ gn_effects gn_scene_not_built(const gn_scene *scene) {
 
 double gn_table_at(const gn_table *table, double time) {
     size_t count = table->count;
+    if (table->formula) return gn_formula_at(table->formula, time - table->start);
     if (count == 0) return 0.0;
     if (count == 1 || time <= table->time[0]) return table->value[0];
     if (time >= table->time[count - 1]) return table->value[count - 1];
@@ -519,8 +530,25 @@ double gn_table_at(const gn_table *table, double time) {
     return (1.0 - share) * table->value[low] + share * table->value[high];
 }
 
+/* Integrates a formula on intervals of at most the distance of its samples. */
+static double formula_between(const gn_table *table, double from, double to) {
+    static const double place[3] = {-0.77459666924148337704, 0.0, 0.77459666924148337704};
+    const double most = 4.0 * GN_FORMULA_POINTS,
+                 spacing =
+                     (table->time[table->count - 1] - table->time[0]) / (double)(table->count - 1);
+    const double parts = fmin(fmax(ceil((to - from) / spacing), 1.0), most);
+    const double half = 0.5 * (to - from) / parts;
+    double sum = 0.0;
+    for (double k = 0.0; k < parts && to > from; k++)
+        for (int p = 0; p < 3; p++)
+            sum += half * (p == 1 ? 8.0 : 5.0) / 9.0 *
+                   gn_table_at(table, from + half * (2.0 * k + 1.0 + place[p]));
+    return sum;
+}
+
 double gn_table_between(const gn_table *table, double from, double to) {
     double sum = 0.0, at = from;
+    if (table->formula) return formula_between(table, from, to);
     for (size_t k = 0; k <= table->count; k++) {
         double next = k < table->count ? fmin(to, table->time ? table->time[k] : to) : to;
         if (!(next > at)) continue;
@@ -528,6 +556,31 @@ double gn_table_between(const gn_table *table, double from, double to) {
         at = next;
     }
     return sum;
+}
+
+void gn_table_set_constant(gn_table *table, double value) {
+    table->count = 1;
+    table->value[0] = value;
+    table->formula = NULL;
+}
+
+void gn_table_delay(gn_table *table, double start) {
+    for (size_t k = 0; k < table->count; k++) table->time[k] += start;
+    table->start += start;
+}
+
+static void take_values(const gn_table over_time[3], double value[3], double time) {
+    for (int a = 0; a < 3; a++)
+        if (over_time[a].count) value[a] = gn_table_at(&over_time[a], time);
+}
+
+void gn_scene_set_time(gn_scene *scene, double time) {
+    if (!scene->loads_vary) return;
+    take_values(scene->gravity_over_time, scene->gravity, time);
+    for (size_t k = 0; k < scene->set_count; k++)
+        take_values(scene->sets[k].force_over_time, scene->sets[k].force, time);
+    for (size_t k = 0; k < scene->body_count; k++)
+        take_values(scene->bodies[k].force_over_time, scene->bodies[k].force, time);
 }
 
 int gn_scene_find_wall(const gn_scene *scene, const char *name) {

@@ -34,6 +34,14 @@ typedef enum gn_stiffness_model {
     GN_STIFFNESS_HERTZ            /* no bonds: stiffness from the overlap of spheres, E and nu */
 } gn_stiffness_model;
 
+/* Attraction of unbonded spheres (kernels/cohesion.h). */
+typedef enum gn_cohesion {
+    GN_COHESION_NONE,
+    GN_COHESION_JKR,
+    GN_COHESION_DMT,
+    GN_COHESION_LIQUID /* liquid bridges */
+} gn_cohesion;
+
 /* How gamma is determined if the scene does not give it. */
 typedef enum gn_gamma_rule {
     GN_GAMMA_VOLUME,  /* sum of sections times lengths = dimension times volume */
@@ -145,6 +153,7 @@ typedef struct gn_material {
     double young, poisson;   /* E, Pa, and nu; for laws by area and Hertz's law */
     double alpha, beta;      /* factors of E in k_n and of G in k_t; for laws by area */
     double friction, rolling_friction, twisting_friction; /* mu, mu_r, mu_t */
+    double adhesion;           /* w, J/m2, with law.cohesion jkr and dmt */
     double restitution;        /* for Hertz's law; negative: that of the scene */
     double tensile_strength;   /* sigma_c of the contact, Pa; for models that depend on size */
     double shear_strength;     /* tau_c of the contact, Pa */
@@ -169,7 +178,8 @@ typedef struct gn_contact_def {
     char (*between)[GN_NAME_SIZE]; /* [between_count], one or two names */
     double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
         tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit, bond_friction,
-        fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction;
+        fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction,
+        adhesion;
     gn_scene_place where;
 } gn_contact_def;
 
@@ -277,7 +287,8 @@ typedef struct gn_set_def {
     int64_t group;               /* negative: unchanged */
     double initial_velocity[3], initial_spin[3];
     bool has_initial_velocity, has_initial_spin;
-    double force[3]; /* N in total, distributed by mass */
+    double force[3];             /* N in total, distributed by mass */
+    gn_table force_over_time[3]; /* a component that varies; see gn_scene_set_time */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -287,6 +298,7 @@ typedef struct gn_servo {
     bool active;
     gn_table force;      /* target normal force, compression positive, N; or */
     gn_table stress;     /* Pa, target stress on the area */
+    bool of_mean;        /* `stress` is the target of the mean of the stresses along all axes */
     double area;         /* m2 (2D: m x 1 m); 0: the section between walls that face each other */
     double max_velocity; /* m/s */
     double relaxation;   /* share of the force error that is corrected per step, (0, 1] */
@@ -345,6 +357,7 @@ typedef struct gn_body_def {
     bool has_initial_velocity, has_initial_spin;
     double initial_velocity[3], initial_spin[3];
     double force[3]; /* N, on the centre of mass of a free body, in its free directions */
+    gn_table force_over_time[3]; /* a component that varies; see gn_scene_set_time */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -487,7 +500,11 @@ typedef struct gn_scene {
     double initial_energy;          /* bilinear: share of the energy under the first line */
     gn_fracture fracture_energy_of; /* area to which fracture energies refer */
     bool pull;                      /* Hertz's law: the dashpot may cause tension */
-    gn_switch rotation;             /* auto: on */
+    gn_cohesion cohesion;
+    double surface_tension; /* N/m, of the liquid */
+    double contact_angle;   /* rad */
+    double liquid_content;  /* volume of the liquid over that of the particles at the start */
+    gn_switch rotation;     /* auto: on */
 
     gn_switch bonds;               /* on if the scene has a `bonds` section */
     double interaction_range;      /* beta: pairs with gaps up to beta (r_i + r_j) are bonded */
@@ -504,8 +521,9 @@ typedef struct gn_scene {
     double damping_fraction; /* alpha, fraction of critical damping; 0 and restitution < 0: no
                                 contact damping */
 
-    double gravity[3];      /* m/s2 */
-    double random_velocity; /* m/s, components uniform in +- this at the start */
+    double gravity[3];             /* m/s2 */
+    gn_table gravity_over_time[3]; /* a component that varies; see gn_scene_set_time */
+    double random_velocity;        /* m/s, components uniform in +- this at the start */
     bool has_pulse;
     gn_pulse pulse;
 
@@ -563,6 +581,8 @@ typedef struct gn_scene {
 
     char output_directory[GN_PATH_SIZE]; /* "" : runs/<scene name> */
     int64_t history_rows;                /* requested rows up to `end` */
+    bool has_structure; /* the structure is measured in a box, otherwise in the whole specimen */
+    double structure_min[3], structure_max[3]; /* m */
     int64_t snapshots;      /* requested snapshots up to `end`; 0: only the last state */
     double checkpoint_wall; /* s of wall time between checkpoints; 0: on a signal and at the end */
     uint64_t seed;
@@ -572,6 +592,9 @@ typedef struct gn_scene {
     gn_scene_place isa_where;
     double residual_warning; /* residual of the energy ledger above which a run warns; 0: off */
     double residual_limit;   /* residual of the energy ledger above which a run stops; 0: off */
+
+    bool loads_vary;             /* gravity or a force of a set or body varies over time */
+    struct gn_formula *formulas; /* all formulas of tables */
 
     size_t stage_count; /* 0: the run has no stages */
     struct gn_stage *stages;
@@ -647,6 +670,10 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
  * and "" if none is similar enough. */
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
+/* Sets the components of gravity and of the forces of sets and bodies that vary over time to their
+ * values at a time. In a scene that was read they have the first value that is not 0. */
+void gn_scene_set_time(gn_scene *scene, double time);
+
 /* Return the index of the entry with a name; -1: there is none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
@@ -696,6 +723,13 @@ static inline bool gn_scene_box_moves(const gn_scene *scene) {
     for (int a = 0; scene->has_periodic && a < 3; a++)
         moves |= scene->box[a].stress.count || scene->box[a].rate.count;
     return moves;
+}
+/* True if there is gravity at some time. */
+static inline bool gn_scene_has_gravity(const gn_scene *scene) {
+    bool acts = false;
+    for (int a = 0; a < 3; a++)
+        acts = acts || scene->gravity[a] != 0.0 || scene->gravity_over_time[a].count;
+    return acts;
 }
 /* Returns the coefficient of the background damping of spins. */
 static inline double gn_scene_spin_damping(const gn_scene *scene) {

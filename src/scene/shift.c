@@ -64,6 +64,10 @@ void gn_scene_shift(gn_scene *scene) {
         shift(scene, scene->periodic_min);
         shift(scene, scene->periodic_max);
     }
+    if (scene->has_structure) {
+        shift(scene, scene->structure_min);
+        shift(scene, scene->structure_max);
+    }
     if (scene->has_domain) {
         shift(scene, scene->domain_min);
         shift(scene, scene->domain_max);

@@ -10,6 +10,10 @@ static inline bool gn_scene_hertz(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_HERTZ;
 }
 bool gn_scene_has_rolling(const gn_scene *scene);
+/* Tells whether surfaces have a work of adhesion. */
+static inline bool gn_scene_adheres(const gn_scene *scene) {
+    return scene->cohesion == GN_COHESION_JKR || scene->cohesion == GN_COHESION_DMT;
+}
 
 /* A wall, body or the surface of finite elements, by a running index. */
 typedef struct gn_scene_surface {

@@ -312,6 +312,7 @@ static void drop_box_alternative(gn_node *base, const gn_node *over) {
     if (stress && !rate) drop(base, "rate");
     if (stress || !rate) return;
     drop(base, "stress");
+    drop(base, "stress_of");
     drop(base, "max_rate");
     drop(base, "relaxation");
 }
@@ -321,6 +322,7 @@ static void drop_servo_alternative(gn_node *base, const gn_node *over) {
     if (stress && !force) drop(base, "force");
     if (stress || !force) return;
     drop(base, "stress");
+    drop(base, "stress_of");
     drop(base, "area");
 }
 
@@ -567,7 +569,9 @@ static void visit_section(const gn_section *section, char *base, const section_v
         const gn_key *key = &section->keys[k];
         char *at = base + key->offset;
         if (key->type == GN_KEY_SECTION) visit_section(key->section, at, visit);
-        if (key->type == GN_KEY_TABLE) visit->visit(visit->context, (gn_table *)at);
+        gn_table *table;
+        for (size_t t = gn_key_tables(key, base, &table); t > 0; t--, table++)
+            visit->visit(visit->context, table);
         if (key->type != GN_KEY_LIST) continue;
         char *array;
         memcpy(&array, at, sizeof array);

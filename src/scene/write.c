@@ -1,3 +1,4 @@
+#include "scene/formula.h"
 #include "scene/manifest.h"
 #include "scene/tree.h"
 
@@ -30,7 +31,9 @@ static void write_text(FILE *out, const char *text) {
 }
 
 static void write_table(FILE *out, const gn_key *key, const gn_table *table) {
-    if (table->count == 0) {
+    if (table->formula) {
+        write_text(out, gn_formula_text(table->formula));
+    } else if (table->count == 0) {
         fputs(key->word ? key->word : "[]", out);
     } else if (table->count == 1 && table->time[0] == 0 && !signbit(table->time[0])) {
         write_number(out, table->value[0]);
@@ -39,6 +42,20 @@ static void write_table(FILE *out, const gn_key *key, const gn_table *table) {
             fprintf(out, "%s[%.17g, %.17g]", k ? ", " : "[", table->time[k], table->value[k]);
         fputc(']', out);
     }
+}
+
+/* Writes a vector, whose components may vary over time. */
+static void write_vector(FILE *out, const gn_key *key, const char *base) {
+    const double *value = (const double *)(const void *)(base + key->offset);
+    const gn_table *over_time = (const gn_table *)(const void *)(base + key->second);
+    for (int a = 0; a < 3; a++) {
+        fputs(a ? ", " : "[", out);
+        if (key->second && over_time[a].count)
+            write_table(out, key, &over_time[a]);
+        else
+            write_number(out, value[a]);
+    }
+    fputc(']', out);
 }
 
 static void write_integers(FILE *out, const int64_t *values, size_t count) {
@@ -156,6 +173,8 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
         fputs(gn_choice_name(key->choices, gn_choice_load(key, at)), out);
         break;
     case GN_KEY_VECTOR:
+        write_vector(out, key, base);
+        break;
     case GN_KEY_SPIN:
         write_numbers(out, (const double *)at, 3);
         break;

@@ -48,6 +48,8 @@
       "hashes of its active and its near contacts at the last check of the step")                  \
     X(pressed, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_HERTZ, 0, "1",                          \
       "largest overlap expected of its contacts, over the radius of the contact")                  \
+    X(film, double, GN_F64, 1, GN_ROWS, GN_STATE, GN_FX_COHESION, 0, "m3",                         \
+      "volume of the liquid film on the particle")                                                 \
     X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
       "centre minus ref (nodes: start) x y z, radius")                                             \
     X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s, 1/kg",                   \
@@ -154,6 +156,14 @@
       0, "N m", "rolling and twisting resistance: moment on the first particle")                   \
     Y(X, most, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_HERTZ, 0, "m",      \
       "overlap up to which the step was checked; 0: not yet")                                      \
+    Y(X, adhesion, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_COHESION, 0, "N", \
+      "largest attraction of the two particles")                                                   \
+    Y(X, span, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_COHESION, 0, "m",     \
+      "length of the attraction, see law_cohesive.h")                                              \
+    Y(X, bridge, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_COHESION, 0, "m3",  \
+      "volume of the liquid bridge; without liquid 1 while the particles adhere; 0: none")         \
+    Y(X, onset, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_COHESION, 0, "1",    \
+      "state of a bridge that forms or ruptures, see law_cohesive.h")                              \
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
       "0 intact, 1 broken in tension, 2 broken in shear, 3 removed with a particle")               \
     Y(X, broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "s", \
@@ -210,6 +220,8 @@
       "inverse square root of the overlap in the last step; 0: open")                              \
     Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_ROLLING, 0, "N m",    \
       "rolling and twisting resistance: moment on the particle")                                   \
+    Y(X, bridge, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_COHESION, 0, "m3",  \
+      "volume of the liquid bridge; without liquid 1 while both adhere; 0: none")                  \
     Y(X, normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_FACETS, 0, "1",     \
       "normal of a facet contact in the last step times its fraction of the stiffness; 0: none")   \
     Y(X, touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, 0, NONE, GN_FX_FACETS, 0, "m",            \

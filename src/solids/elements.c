@@ -322,14 +322,21 @@ gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, 
                                    : GNEISS_OK;
 }
 
-gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids,
-                                gneiss_error *error) {
+gneiss_status gn_elements_set_gravity(const gn_step_context *ctx, gn_solids *solids,
+                                      gneiss_error *error) {
     const gn_effects damping =
         ctx->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    for (size_t k = 0; k < solids->count; k++)
+        GN_TRY(gn_fem_set_environment(&solids->elements[k]->solid, ctx->scene.gravity, damping,
+                                      ctx->scene.background_coefficient, error));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids,
+                                gneiss_error *error) {
+    GN_TRY(gn_elements_set_gravity(ctx, solids, error));
     for (size_t k = 0; k < solids->count; k++) {
         gn_element_model *q = solids->elements[k];
-        GN_TRY(gn_fem_set_environment(&q->solid, ctx->scene.gravity, damping,
-                                      ctx->scene.background_coefficient, error));
         look_at_loads(q);
         set_loads(q, ctx->time);
         set_velocities(ctx, q, ctx->time, true);

@@ -72,6 +72,9 @@ gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, 
 gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
                               const gn_element_def *def, gn_mesh *mesh, gneiss_error *error);
 /* Takes motions, loads, gravity and damping from the scene of another stage. */
+/* Takes the gravity and the background damping of the scene. */
+gneiss_status gn_elements_set_gravity(const gn_step_context *ctx, gn_solids *solids,
+                                      gneiss_error *error);
 gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids, gneiss_error *error);
 void gn_elements_free(gn_solids *solids);
 

@@ -483,8 +483,7 @@ static void spread_motion(gn_motion *motion, double time, double end) {
     for (int k = 0; k < N; k++) {
         gn_table *table = k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
         if (!table->count) continue;
-        table->value[0] = gn_table_between(table, 0.0, time) / end;
-        table->count = 1;
+        gn_table_set_constant(table, gn_table_between(table, 0.0, time) / end);
     }
 }
 

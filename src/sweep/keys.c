@@ -41,8 +41,8 @@ static const gn_key sweep_keys[] = {
         .text = "keys of the scene, written as for --set, each with a list of values, a range or a "
                 "distribution"),
     KEY("combine", CHOICE, gn_sweep_file, combine, .choices = combines, .fallback = "crossed",
-        .text = "combination of lists and ranges: every value with every other, or the first with "
-                "the first and so on"),
+        .text = "crossed: every value of a list or range with every value of the others; zipped: "
+                "the first values of all together, then the second ones, and so on"),
     SECTION(
         "sampling", sampling_section, PRESENT(ENUM, gn_sweep_file, sampling),
         .text =

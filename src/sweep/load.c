@@ -343,14 +343,15 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
     parameter->meant = gn_scene_key_at(confining);
     if (!pressures)
         return gn_fail(reader->error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: test.confinement: expected a membrane, which takes each pressure "
-                       "of the list, found none",
+                       "%s:%d:%d: test.confinement: expected a scene with a membrane for a list of "
+                       "pressures, each of which it takes in a run of its own, found none",
                        sweep->scene, list->key_where.line, list->key_where.column);
     if (pressures > 1)
-        return gn_fail(reader->error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: test.confinement: expected a single membrane pressure, of the "
-                       "scene or of one stage, which takes each value of the list, found %zu",
-                       sweep->scene, list->key_where.line, list->key_where.column, pressures);
+        return gn_fail(
+            reader->error, GNEISS_ERROR_INPUT,
+            "%s:%d:%d: test.confinement: expected one membrane pressure, of the scene or "
+            "of a stage, that takes each value of the list, found %zu",
+            sweep->scene, list->key_where.line, list->key_where.column, pressures);
     return gn_parameter_read(reader, list, &none, parameter);
 }
 

@@ -33,9 +33,18 @@ void gn_read_slope(const gn_curves *curves, gn_reading which, double *value,
     const char *none = gn_no_average_strain(curves->strain, curves->history->row_count - 1);
     *value = f.slope;
     gn_need_elastic_rows(curves, which, readings);
-    if (gn_test_of(curves->tested->kind)->isotropic && isnan(f.slope) && none)
+    if ((gn_test_of(curves->tested->kind)->isotropic ||
+         gn_test_of(curves->tested->kind)->enclosed) &&
+        isnan(f.slope) && none)
         gn_reading_absent(readings, which, "%s", none);
     gn_need_modulus(f, which, readings);
+}
+
+void gn_need_no_cohesion(const gn_curves *curves, gn_readings *readings) {
+    if (!isnan(curves->tested->fragments))
+        gn_reading_absent(readings, GN_READING_friction_angle,
+                          "bonds have cohesion: an angle needs tests at several confinements "
+                          "(test.confinement, gneiss sweep)");
 }
 
 /* --- fracture energy --- */

@@ -55,8 +55,7 @@
       "50-FMC); includes damping")                                                                 \
     X(confinement, "Pa", "pressure of the membrane at the peak")                                   \
     X(axial_strength, "Pa", "largest axial stress: the deviator at the peak and the confinement")  \
-    X(volumetric_strain_at_peak, "1",                                                              \
-      "volumetric_strain at the peak: the trace of the average strain, compression positive")      \
+    X(volumetric_strain_at_peak, "1", "volumetric_strain at the peak, compression positive")       \
     X(lateral_strain_at_peak, "1", "average lateral strain at the peak, compression positive")     \
     X(bulk_modulus, "Pa",                                                                          \
       "slope of the mean pressure over the loss of volume, from 1 % of the largest to "            \
@@ -73,6 +72,13 @@
       "slope of shear stress over the displacement of the ends over the length, from 1 % of the "  \
       "largest to elastic_stress")                                                                 \
     X(dilation_at_peak, "m", "displacement across the sheared plane at the peak")                  \
+    X(friction_angle, "deg",                                                                       \
+      "angle of friction at the largest stress, without cohesion: sin of it is (s1 - s3)/(s1 + "   \
+      "s3) with the largest and the smallest principal stress; of a sheared plane, tan of it is "  \
+      "the shear over the normal stress")                                                          \
+    X(least_stress, "Pa",                                                                          \
+      "smallest principal stress at the largest deviator, compression positive")                   \
+    X(mean_stress, "Pa", "mean of the principal stresses there, compression positive")             \
     X(tangent_modulus, "Pa",                                                                       \
       "slope of stress over platen strain, 40 to 60 % of the largest stress (ISRM 1979: at half "  \
       "the strength)")                                                                             \

@@ -19,6 +19,7 @@
     X(TRIAXIAL, triaxial, ", triaxial (in 2D biaxial): under a membrane")                          \
     X(BIAXIAL, biaxial, "")                                                                        \
     X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, under pressure from all sides")      \
+    X(POLYAXIAL, polyaxial, ", polyaxial: without ends, a stress or motion on every side")         \
     X(OEDOMETER, oedometer, ", oedometer: between fixed sides")                                    \
     X(SHEAR, shear, ", shear: one half along the other")                                           \
     X(SIMPLE_SHEAR, simple_shear, ", simple_shear: between periodic sides")                        \
@@ -101,6 +102,9 @@ typedef struct gn_test_descriptor {
     bool ends;      /* two ends load the specimen along an axis */
     bool isotropic; /* the specimen is loaded equally from all sides and has no ends: stress is the
                        mean pressure, strain the loss of volume */
+    bool enclosed; /* walls or a periodic box enclose the specimen, and there are no ends: stress is
+                      that along the axis less the mean of the others, strain the shortening of the
+                      enclosure along the axis */
     bool prism;   /* stress is the force of the ends over the section, strain their closing over the
                      length */
     bool disc;    /* the specimen is a disc with faces across z, loaded across its diameter */

@@ -9,6 +9,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"
+#include "particles/bridges.h"
 #include "particles/events.h"
 #include "particles/particles.h"
 #include "sched/hold.h"
@@ -329,4 +330,31 @@ const gn_feature gn_feature_zones = {
              [GN_HOOK_ACT] = act_on_zones,
              [GN_HOOK_ELEMENTS_MOVED] = follow_elements,
              [GN_HOOK_ADD_TO_READING] = add_zones},
+};
+
+/* --- liquid bridges --- */
+
+/* Pairs that were dry when they touched get a bridge when they are looked at again. The interval is
+ * counted in steps, so that it does not depend on output or a resume. */
+enum { DRY_PAIRS_EVERY = 500 };
+
+static bool has_liquid(const gn_world *world) {
+    return world->ctx.effects & GN_FX_COHESION && world->ctx.scene.cohesion == GN_COHESION_LIQUID;
+}
+
+GN_HOOK(form_bridges) {
+    if (world->ctx.step % DRY_PAIRS_EVERY == 0)
+        world->ledger.energy.cohesion += gn_bridges_form(&world->ctx, &world->dem);
+    return GNEISS_OK;
+}
+
+GN_HOOK(settle_bridges) {
+    world->ledger.energy.cohesion += gn_bridges_settle(&world->ctx, &world->dem);
+    return GNEISS_OK;
+}
+
+const gn_feature gn_feature_bridges = {
+    .name = "bridges",
+    .used = has_liquid,
+    .hook = {[GN_HOOK_BEFORE_FORCES] = form_bridges, [GN_HOOK_AFTER_STEP] = settle_bridges},
 };

@@ -17,6 +17,7 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "world/space.h"
+#include "world/structure.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -44,9 +45,11 @@ gn_motion_args gn_world_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_
 }
 
 static void list_args(const gn_world *world, bool measure, gn_contact_args args[GN_LIST_COUNT]) {
-    for (int l = 0; l < GN_LIST_COUNT; l++)
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
         args[l] = gn_dem_contact_args(&world->ctx, &world->dem, &world->box, &world->dem.list[l],
                                       measure);
+        if (world->ctx.measure) args[l].structure = gn_structure_box_of(&world->ctx.scene);
+    }
 }
 
 /* --- forces and motion --- */

@@ -39,6 +39,8 @@ static gneiss_status check_scene(const gn_scene *s, gneiss_error *error) {
     if (gn_scene_test(s)->tool) return refuse(s, s->test.where, "test", "tests of tools", error);
     if (s->confinement == GN_CONFINEMENT_MEAN)
         return refuse(s, s->law_where, "law.confinement", "bonds under the mean pressure", error);
+    if (s->cohesion == GN_COHESION_LIQUID)
+        return refuse(s, s->law_where, "law.cohesion", "liquid bridges", error);
     if (s->start == GN_START_FIRST_BREAK)
         return refuse(s, s->start_where, "time.start", "starts at the first break", error);
     return check_box(s, error);

@@ -1,10 +1,12 @@
 #include "world/scale.h"
 
+#include "base/error.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "fem/fem.h"
 #include "frame/frame.h"
 #include "particles/particles.h"
+#include "particles/specimen.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -53,15 +55,23 @@ static double specimen_size(const gn_step_context *ctx, const gn_dem *dem) {
     return longest_side(q->pos, q->soa.count, true, (int)ctx->scene.dimension);
 }
 
-static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *file) {
+/* Returns the key of the file that a specimen is read from if it states neither scale nor units,
+ * else NULL. */
+static const char *specimen_key(const gn_step_context *ctx) {
     const gn_specimen *s = &ctx->scene.specimen;
     const char *key = s->file[0]                           ? "specimen.file"
                       : s->pack.shape == GN_SHAPE_SURFACE  ? "specimen.surface"
                       : s->pack.shape == GN_SHAPE_MESH     ? "specimen.mesh"
                       : gn_scene_from_packing(&ctx->scene) ? "specimen.from"
                                                            : NULL;
-    if (!ctx->scene.has_specimen || s->scale_given || s->packed_columns.states_units || !key)
-        return false;
+    return ctx->scene.has_specimen && !s->scale_given && !s->packed_columns.states_units ? key
+                                                                                         : NULL;
+}
+
+static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *file) {
+    const char *key = specimen_key(ctx);
+    if (!key) return false;
+    const gn_specimen *s = &ctx->scene.specimen;
     *file = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
     return true;
 }
@@ -207,4 +217,31 @@ bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
         if (*why) return tell(ctx, &f, why, text, size);
     }
     return body_doubts(ctx, dem, boundary, text, size);
+}
+
+/* Returns the size of a specimen that may not have its particles yet. */
+static double size_of_scene(const gn_scene *scene) {
+    gn_extent extent = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    double longest = 0.0;
+    gn_specimen_extent(scene, &extent);
+    for (int a = 0; a < (int)scene->dimension; a++)
+        longest = fmax(longest, extent.upper[a] - extent.lower[a]);
+    return isfinite(longest) ? longest : 0.0;
+}
+
+void gn_scale_explain(const gn_step_context *ctx, const gn_solids *solids, gneiss_error *error) {
+    char first[GNEISS_MESSAGE_SIZE];
+    file_size f = {0};
+    if (!error || !is_in_kilograms(&ctx->scene)) return;
+    const char *key = specimen_key(ctx);
+    if (key)
+        f = (file_size){.key = key, .longest = size_of_scene(&ctx->scene)};
+    else if (!element_file(ctx, solids, &f))
+        return;
+    if (f.longest < (is_tested(&ctx->scene) ? large_in_test : large)) return;
+    memcpy(first, error->message, sizeof first);
+    gn_fail(error, error->status,
+            "%.1500s\n  %s is %.4g m long without a scale: with scale: 0.001 its lengths are "
+            "millimetres",
+            first, f.key, f.longest);
 }

@@ -8,6 +8,7 @@
 #include "particles/flow.h"
 #include "particles/observe.h"
 #include "particles/particles.h"
+#include "scene/acts.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
@@ -21,12 +22,6 @@ typedef struct span {
     double now, start;   /* 0: not applicable */
 } span;
 
-static int find_wall(const gn_scene *scene, int axis, double sense) {
-    for (size_t k = 0; k < scene->wall_count; k++)
-        if (sense * scene->walls[k].normal[axis] > 0.999) return (int)k;
-    return -1;
-}
-
 /* Returns the displacement of a wall since the start along an axis, m. */
 static double moved(const gn_boundary *boundary, int wall, int axis) {
     if (!boundary->walls) return 0.0;
@@ -38,7 +33,8 @@ static span span_along(const gn_step_context *ctx, const gn_boundary *boundary,
     const gn_scene *s = &ctx->scene;
     if (gn_scene_periodic_along(s, axis))
         return (span){-INFINITY, INFINITY, ctx->period[axis], box->start[axis]};
-    const int lower = find_wall(s, axis, 1.0), upper = find_wall(s, axis, -1.0);
+    const int lower = gn_scene_wall_facing(s, axis, 1.0),
+              upper = gn_scene_wall_facing(s, axis, -1.0);
     if (lower < 0 || upper < 0) return (span){0};
     const double low = s->walls[lower].point[axis], high = s->walls[upper].point[axis];
     span x = {low + moved(boundary, lower, axis), high + moved(boundary, upper, axis), 0.0,
@@ -132,4 +128,10 @@ double gn_space_area(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
     const span along = span_along(ctx, boundary, box, (int)t->axis);
     if (!(ctx->effects & GN_FX_BONDS)) return now / along.now;
     return ctx->test_area * (now / along.now) / (start / along.start);
+}
+
+double gn_space_shortening(const gn_step_context *ctx, const gn_boundary *boundary,
+                           const gn_periodic_box *box, int axis) {
+    const span x = span_along(ctx, boundary, box, axis);
+    return x.now > 0.0 && x.start > 0.0 ? 1.0 - x.now / x.start : NAN;
 }

@@ -24,4 +24,9 @@ double gn_space_volume(const gn_step_context *ctx, const gn_dem *dem, const gn_m
 double gn_space_area(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      const gn_periodic_box *box);
 
+/* Returns the shortening along an axis of the walls or the periodic box that enclose the specimen,
+ * over their distance at the start; NaN: nothing encloses it along the axis. */
+double gn_space_shortening(const gn_step_context *ctx, const gn_boundary *boundary,
+                           const gn_periodic_box *box, int axis);
+
 #endif

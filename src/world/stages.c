@@ -24,8 +24,7 @@
 /* Shifts the times of a table, which a stage counts from its own start. */
 static void start_table(void *context, gn_table *table) {
     const gn_world *w = context;
-    double start = table->stage ? w->stages.state[table->stage - 1].time : 0.0;
-    for (size_t k = 0; k < table->count; k++) table->time[k] += start;
+    gn_table_delay(table, table->stage ? w->stages.state[table->stage - 1].time : 0.0);
 }
 
 static gneiss_status stages_create(const gn_step_context *ctx, gn_stages *stages,

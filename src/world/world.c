@@ -33,6 +33,7 @@
 #include "world/origin.h"
 #include "world/particle_step.h"
 #include "world/ranks.h"
+#include "world/scale.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -336,6 +337,7 @@ gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *er
     memset(scene, 0, sizeof *scene);
     double start = gn_now();
     gneiss_status status = build(world, error);
+    if (status == GNEISS_ERROR_INPUT) gn_scale_explain(&world->ctx, &world->solids, error);
     /* First lists and the first stability limit are set-up, not part of the run. */
     memset(world->ctx.seconds, 0, sizeof world->ctx.seconds);
     world->ctx.seconds[GN_PHASE_setup] = gn_now() - start;
