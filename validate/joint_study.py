@@ -1,9 +1,10 @@
 """Joints: the strength of a specimen with one weak plane over the dip of the plane, beside the curve of Jaeger (1960), and the stiffness of a block
 with many joints beside Amadei & Goodman (1981) and estimates for cracks (Kachanov 1992). Fills docs/evidence/joints.md.
 
-    /usr/bin/python3 validate/joint_study.py [--fresh] [--kept] [--quick] [--plane | --block]
+    /usr/bin/python3 validate/joint_study.py [--fresh] [--kept] [--quick] [--rough] [--plane] [--block]
 """
 import math
+import re
 import sys
 
 import numpy as np
@@ -12,9 +13,9 @@ import study
 
 PLANE = "scenes/joint-plane.yaml"
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
-DIPS = (0, 20, 40, 50, 60, 70, 90)
+DIPS = {2e6: (0, 20, 40, 50, 60, 70), 0: (40, 50, 60, 70)}  # degrees, by cohesion
 SEEDS = (1, 2, 3)
-SIGMA, FRICTION, COHESIONS = 2e6, math.radians(30), (2e6, 0)
+SIGMA, FRICTION = 2e6, math.radians(30)
 QUICK = "--quick" in sys.argv
 
 
@@ -35,7 +36,7 @@ def strength(dip, cohesion, seed):
 def curve(cohesion, seeds):
     """Rows (dip, Jaeger's strength, strengths of the packings)."""
     rows, missing = [], []
-    for dip in DIPS:
+    for dip in DIPS[cohesion]:
         found = [study.if_there(strength, dip, cohesion, seed) for seed in seeds]
         if None in found:
             missing.append(f"{dip} deg")
@@ -49,7 +50,7 @@ def draw(curves):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, axes = plt.subplots(figsize=(6, 3.6))
-    for (rows, _), cohesion, colour in zip(curves, COHESIONS, ("tab:blue", "tab:orange")):
+    for (rows, _), cohesion, colour in zip(curves, DIPS, ("tab:blue", "tab:orange")):
         fine = np.linspace(31, 89.5, 300)
         axes.plot(fine, [jaeger(d, cohesion) / 1e6 for d in fine], color=colour, label=f"Jaeger, c = {cohesion / 1e6:g} MPa")
         for dip, _, found in rows:
@@ -60,9 +61,9 @@ def draw(curves):
 
 
 def plane(seeds):
-    curves = [curve(cohesion, seeds) for cohesion in COHESIONS]
+    curves = [curve(cohesion, seeds) for cohesion in DIPS]
     rows, missing = [], []
-    for (found, gone), cohesion in zip(curves, COHESIONS):
+    for (found, gone), cohesion in zip(curves, DIPS):
         missing += gone
         for dip, wanted, values in found:
             mean, scatter = values.mean(), values.std(ddof=1) if len(values) > 1 else math.nan
@@ -72,6 +73,38 @@ def plane(seeds):
                     rows, QUICK, missing)
     if not QUICK and not missing:
         draw(curves)
+
+
+# --- a smooth joint and a plane without bonds ---
+
+SHEAR = "scenes/joint-shear.yaml"
+
+
+def sheared(kind, seed):
+    """Shear over normal force (mean and standard deviation) and rise of the upper half in m, over the last half of a path of 2 mm."""
+    text = (study.ROOT / SHEAR).read_text().replace("100 mm/s", "500 mm/s")
+    head, _, rest = text.partition("joints:\n")
+    joint, _, tail = rest.partition("damping:")
+    if kind == "rough":
+        text = head + "damping:" + tail.replace("max: [1, 1]}}, force", "max: [1, 1]}}, group: 2, force")
+    else:
+        text = head + "joints:\n" + re.sub(r"    (bond_friction|cohesion|tensile_strength|dilation|dilation_end):.*\n", "", joint) + "damping:" + tail
+    path = study.RUNS / "joints" / f"shear-{kind}.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    run = study.run(f"joints/shear-{kind}-{seed}", path, {"run.seed": seed, "output.contacts": "off"})
+    force = run.results("history/set_above_reaction_x")
+    late = force[len(force) // 2:] / 60e3
+    return float(late.mean()), float(late.std()), float(np.median(run.results("particles/displacement")[:, 1]) * 2)
+
+
+def roughness(seeds):
+    rows = []
+    for kind, name in (("smooth", "smooth joint, friction 0.5"), ("rough", "no bonds, friction of particles 0.5")):
+        found = np.array([sheared(kind, seed) for seed in seeds])
+        for seed, (mean, deviation, rise) in zip(seeds, found):
+            rows.append((name, seed, f"{mean:.4f}", f"{deviation:.4f}", f"{1e3 * rise:.3f}"))
+    study.put_table("joints.md", "roughness", ("plane", "packing", "shear over normal force", "its standard deviation in time", "rise, mm"), rows, QUICK)
 
 
 # --- stiffness of a block with many joints ---
@@ -141,9 +174,9 @@ def block(seeds):
 
 
 if __name__ == "__main__":
-    study.reported(sys.argv[1:], __doc__, ("--fresh", "--kept", "--quick", "--plane", "--block", "--help", "-h"))
+    study.reported(sys.argv[1:], __doc__, ("--fresh", "--kept", "--quick", "--rough", "--plane", "--block", "--help", "-h"))
     chosen = SEEDS[:1] if QUICK else SEEDS
-    if "--plane" in sys.argv or "--block" not in sys.argv:
-        plane(chosen)
-    if "--block" in sys.argv or "--plane" not in sys.argv:
-        block(chosen)
+    parts = {"--rough": lambda: roughness(chosen), "--plane": lambda: plane(chosen), "--block": lambda: block(chosen[:2])}
+    for flag, part in parts.items():
+        if flag in sys.argv or not set(parts) & set(sys.argv):
+            part()
