@@ -404,8 +404,8 @@ static void gravity_damping_and_walls_close_the_ledger(void **state) {
     static const char *const damping[] = {
         "", "damping: {background: {model: viscous, coefficient: 20}}\n",
         "damping: {background: {model: nonviscous_vector, coefficient: 0.2}}\n",
-        "damping: {background: {model: nonviscous_component, coefficient: 0.2, velocity: "
-        "instant}, contact: {restitution: 0.5}}\n"};
+        ("damping: {background: {model: nonviscous_component, coefficient: 0.2, velocity: "
+         "instant}, contact: {restitution: 0.5}}\n")};
     for (int k = 0; k < 4; k++) {
         gn_world *w = world_of(
             HEAD SHAPES "  placed: [{shape: a, centre: [0, 0, 0.03], spin: [3, 40, 1]}, {shape: b, "
