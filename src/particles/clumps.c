@@ -84,8 +84,8 @@ void gn_clumps_complete(gn_dem *dem) {
 }
 
 void gn_clumps_free(gn_clumps *clumps) {
-    void *blocks[] = {clumps->clump, clumps->member, clumps->row, clumps->member_of_row,
-                      clumps->sums};
+    void *blocks[] = {clumps->apart, clumps->clump,         clumps->member,
+                      clumps->row,   clumps->member_of_row, clumps->sums};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *clumps = (gn_clumps){0};
 }
@@ -111,9 +111,22 @@ static gneiss_status number_rows(gn_dem *dem, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+static gneiss_status count_apart(gn_dem *dem, gneiss_error *error) {
+    gn_clumps *all = &dem->clumps;
+    gn_free(all->apart);
+    all->apart = NULL;
+    GN_TRY(gn_new(&all->apart, dem->motion_blocks + 1, "blocks", error));
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
+        const gn_clump *c = gn_clump_of(dem, p);
+        all->apart[p / GN_PARTICLE_BLOCK] += !c || !(c->present > 0.0);
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_clumps_follow_rows(gn_dem *dem, gneiss_error *error) {
     gn_clumps *all = &dem->clumps;
     GN_TRY(number_rows(dem, error));
+    GN_TRY(count_apart(dem, error));
     for (size_t k = 0; k < all->count; k++) {
         const gn_clump *c = &all->clump[k];
         for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++)
@@ -132,28 +145,42 @@ typedef struct step {
     bool space, measure, first, changed, damped;
 } step;
 
-/* Sums up the loads of the members, in their order, and leaves them without load and mass. */
+/* Leaves a member without load and mass, so that the kernel neither moves it nor counts it; blocks
+ * of members alone do not come to it. */
+static void disarm(gn_dem *dem, size_t row, double *load, int width) {
+    if (gn_clumps_fill(&dem->clumps, row / GN_PARTICLE_BLOCK)) return;
+    memset(load, 0, (size_t)width * sizeof *load);
+    dem->particles.vel[4 * row + 3] = dem->particles.spin[4 * row + 3] = 0.0;
+}
+
+/* Sums up the loads of the members, in their order. */
 static void take_loads(const step *s, const gn_clump *c, double force[3], double moment[3],
                        double stress[9]) {
     gn_dem *d = s->dem;
     const int width = gn_row_width(s->space, true);
+    double axes[9], sum[6] = {0, 0, 0, 0, 0, 0};
+    memcpy(axes, c->axes, sizeof axes);
     for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++) {
         const size_t row = (size_t)d->clumps.row[m];
-        double *load = gn_hold_load(&d->hold, width, row), arm[3], turning[3];
-        const double f[3] = {load[0], load[1], s->space ? load[2] : 0.0};
-        gn_axes_direct(c->axes, d->clumps.member[m].local, arm);
-        gn_cross3(arm, f, turning);
-        for (int a = 0; a < 3; a++) {
-            force[a] += f[a];
-            if (s->space) turning[a] += load[4 + a];
+        double *load = gn_hold_load(&d->hold, width, row), own[8] = {0}, arm[3], turning[3];
+        memcpy(own, load, 4 * sizeof *own);
+        if (s->space) {
+            memcpy(own + 4, load + 4, 4 * sizeof *own);
+        } else {
+            own[6] = own[2];
+            own[2] = 0.0;
         }
-        if (!s->space) turning[2] += load[2];
-        for (int a = 0; a < 3; a++) moment[a] += turning[a];
-        for (int k = 0; s->measure && k < 9; k++) stress[k] += arm[k / 3] * f[k % 3];
-        memset(load, 0, 4 * sizeof *load);
-        if (s->space) memset(load + 4, 0, 4 * sizeof *load);
-        d->particles.vel[4 * row + 3] = d->particles.spin[4 * row + 3] = 0.0;
+        gn_axes_direct(axes, d->clumps.member[m].local, arm);
+        gn_cross3(arm, own, turning);
+        for (int a = 0; a < 3; a++) {
+            sum[a] += own[a];
+            sum[3 + a] += turning[a] + own[4 + a];
+        }
+        for (int k = 0; s->measure && k < 9; k++) stress[k] += arm[k / 3] * own[k % 3];
+        disarm(d, row, load, width);
     }
+    memcpy(force, sum, 3 * sizeof *force);
+    memcpy(moment, sum + 3, 3 * sizeof *moment);
 }
 
 /* Computes non-viscous damping of a load by the velocity (or spin) v; `gain` is the change of v in
@@ -304,7 +331,7 @@ static void move_group(const step *s, size_t group) {
     *sums = (gn_clump_sums){.motion.bad = -1};
     for (size_t k = begin; k < begin + count; k++) {
         gn_clump *c = &all->clump[k];
-        double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0};
+        double force[3], moment[3];
         if (!(c->present > 0.0)) continue;
         take_loads(s, c, force, moment, sums->stress);
         kick_centre(s, c, force, sums);
@@ -354,36 +381,36 @@ static void move_member(const gn_step_context *ctx, gn_dem *dem, size_t p, gn_mo
     gn_particles *q = &dem->particles;
     const gn_clump_member *m = &dem->clumps.member[dem->clumps.member_of_row[p]];
     const gn_clump *c = &dem->clumps.clump[q->clump[p]];
-    const bool periodic = ctx->effects & GN_FX_PERIODIC;
-    double arm[3], turning[3], middle[3], place[3], v[3], change2 = 0.0;
+    const double spin[4] = {c->mean_spin[0], c->mean_spin[1], c->mean_spin[2], m->inverse_inertia};
+    double arm[3], turning[3], middle[3], place[4], v[4], change2 = 0.0;
     gn_axes_direct(c->axes, m->local, arm);
-    gn_cross3(c->mean_spin, arm, turning);
+    gn_cross3(spin, arm, turning);
     for (int a = 0; a < 3; a++) middle[a] = arm[a] - 0.5 * ctx->dt * turning[a];
-    gn_cross3(c->mean_spin, middle, turning);
-    for (size_t a = 0; a < 3; a++) {
-        place[a] = c->position[a] + arm[a];
-        if (periodic) { /* the image in which the particle is */
-            const double off = q->pos[4 * p + a] - place[a];
-            place[a] += off - gn_nearest(off, ctx->period[a]);
-        }
-        v[a] = c->velocity[a] + turning[a];
-        change2 += (v[a] - q->vel[4 * p + a]) * (v[a] - q->vel[4 * p + a]);
-        q->pos[4 * p + a] = place[a];
-        q->vel[4 * p + a] = v[a];
-        q->spin[4 * p + a] = c->mean_spin[a];
-        if (dem->vel_past) dem->vel_past[4 * p + a] = v[a];
-        if (dem->spin_past) dem->spin_past[4 * p + a] = c->mean_spin[a];
+    gn_cross3(spin, middle, turning);
+    memcpy(place, q->pos + 4 * p, sizeof place);
+    memcpy(v, q->vel + 4 * p, sizeof v);
+    for (int a = 0; a < 3; a++) {
+        const double at = c->position[a] + arm[a], now = c->velocity[a] + turning[a];
+        /* The member stays in its image of a periodic box. */
+        const double images = place[a] - at - gn_nearest(place[a] - at, ctx->period[a]);
+        place[a] = ctx->period[a] > 0.0 ? at + images : at;
+        change2 += (now - v[a]) * (now - v[a]);
+        v[a] = now;
     }
-    q->vel[4 * p + 3] = m->inverse_mass;
-    q->spin[4 * p + 3] = m->inverse_inertia;
+    v[3] = m->inverse_mass;
+    memcpy(q->pos + 4 * p, place, sizeof place);
+    memcpy(q->vel + 4 * p, v, sizeof v);
+    memcpy(q->spin + 4 * p, spin, sizeof spin);
+    if (dem->vel_past) memcpy(dem->vel_past + 4 * p, v, sizeof v);
+    if (dem->spin_past) memcpy(dem->spin_past + 4 * p, spin, sizeof spin);
     if (GN_BUILT(ORIENTATION) && q->orientation) {
         const double *t = c->turn_start, back[4] = {t[0], -t[1], -t[2], -t[3]};
         gn_turn_product(c->turn, back, q->orientation + 4 * p);
     }
     to_single(q, p);
     /* The straight path of the step is longer than that velocity by a part of (w dt)^2/12. */
-    const double w2 = ctx->dt * ctx->dt * gn_dot3(c->mean_spin, c->mean_spin);
-    const double speed2 = gn_dot3(v, v) * (1.0 + w2) * (1.0 + w2);
+    const double w2 = 1.0 + ctx->dt * ctx->dt * gn_dot3(spin, spin);
+    const double speed2 = gn_dot3(v, v) * w2 * w2;
     if (speed2 > sums->speed2) sums->speed2 = speed2;
     if (change2 > sums->change2) sums->change2 = change2;
     if (!(speed2 < 1e300) && sums->bad < 0) sums->bad = (int64_t)p;

@@ -59,6 +59,7 @@ typedef struct gn_clumps {
     gn_clump_member *member; /* [member_count] */
     int32_t *row;            /* [member_count] row of a member */
     int32_t *member_of_row;  /* [rows] -1: none */
+    int32_t *apart;          /* [blocks] number of rows that move by themselves */
     gn_clump_sums *sums;     /* per group of clumps */
     gn_clump_sums done;      /* sums of the last step */
 } gn_clumps;
@@ -74,6 +75,10 @@ void gn_clumps_free(gn_clumps *clumps);
 
 /* Finds the rows of members after lists were made or read, and holds their blocks. */
 gneiss_status gn_clumps_follow_rows(gn_dem *dem, gneiss_error *error);
+/* Tells whether all rows of a block are members, which the kernel of motion need not move. */
+static inline bool gn_clumps_fill(const gn_clumps *clumps, size_t block) {
+    return clumps->count && clumps->apart[block] == 0;
+}
 /* Sums up the loads of members and moves the clumps; then gn_clumps_move_members moves members,
  * after the sweep of held blocks. */
 void gn_clumps_move(const gn_step_context *ctx, gn_dem *dem, bool measure);

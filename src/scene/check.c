@@ -312,7 +312,8 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
 gneiss_status gn_check_required(const check *section, double value, const char *key,
                                 const char *reason) {
     if (value > 0) return GNEISS_OK;
-    return gn_check_fail(section, key, "required %s, but not given", reason);
+    return gn_check_keep_problem(section,
+                                 gn_check_fail(section, key, "required %s, but not given", reason));
 }
 
 /* Checks that resistance to rolling has a tangential spring, from which its stiffness follows. */
@@ -340,7 +341,7 @@ static gneiss_status check_law_values(const check *section, const gn_scene *scen
         GN_TRY(
             gn_check_required(section, material->kratio + 1.0, "kratio", "by this law.stiffness"));
     GN_TRY(check_rolls(section, material, area));
-    GN_TRY(gn_check_grip(section, scene, material));
+    if (area || material->kratio >= 0) GN_TRY(gn_check_grip(section, scene, material));
     if (bonds) GN_TRY(gn_check_bonds_of(section, scene, material));
     if (scene->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(gn_check_required(section, material->normal_stiffness, "normal_stiffness",
