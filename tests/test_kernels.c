@@ -983,7 +983,8 @@ static void every_mixed_kernel_has_the_bits_of_the_scalar_one(void **state) {
             char name[200];
             int used = snprintf(name, sizeof name, "%s mixed ", set->name);
             gn_contact_variant_name(v, name + used, sizeof name - (size_t)used);
-            bool none = gn_contact_variant_effects(v) & (GN_FX_PERIODIC | GN_FX_JOINTS);
+            bool none =
+                gn_contact_variant_effects(v) & (GN_FX_PERIODIC | GN_FX_JOINTS | GN_FX_COHESION);
             assert_true(!set->mixed[v] == (none || !gn_contact_table_scalar[v]));
             if (!set->mixed[v]) continue;
             bench a = make_pressure(v), b = make_pressure(v);
