@@ -848,7 +848,7 @@ def a_region_in_space_and_what_has_none(folder):
     box["specimen"]["packing"]["region"]["max"][1] = 0.005
     expect(gneiss("check", write_scene(folder, box)), 2, r"specimen\.packing\.region: expected a box that contains a part of the body, y from 0 to 0\.03 m, found 0\.01 to 0\.005 m")
     disc = REGION.replace("rectangle: {width: 60 mm, height: 16 mm}, mean", "disc: {diameter: 16 mm}, mean")
-    expect(gneiss("check", write_scene(folder, disc)), 2, r"specimen\.packing\.region: needs a rectangle or box, of which it is a part; found disc")
+    expect(gneiss("check", write_scene(folder, disc)), 2, r"specimen\.packing\.region: needs a rectangle or box, of which it is a part \(pack a smaller body instead\); found disc")
     without = REGION.replace(", region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}", "")
     expect(gneiss("check", write_scene(folder, without)), 2, r"couple\.convert\.box: required where no specimen\.packing\.region is given")
 

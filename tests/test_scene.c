@@ -459,7 +459,9 @@ static void every_typing_error_is_reported_at_its_place(void **state) {
          "origin, specimen, materials, contacts, law, elements, couple, bonds, damping, gravity, "
          "initial, "
          "periodic, "
-         "domain, sets, walls, bodies, sources, sinks, membrane, test, time, stages, output, "
+         "domain, sets, walls, bodies, joints, sources, sinks, clumps, membrane, test, time, "
+         "stages, "
+         "output, "
          "neighbours, run"},
         {"    kratio: 2\n", "",
          "s.yaml:5:5: materials[0].kratio: required by this law.stiffness, but not given"},
@@ -545,6 +547,8 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
          "s.yaml:5:5: materials[0].normal_stiffness: required by the uniform law, but not given"},
         {"law:", "bonds:\nlaw:",
          "s.yaml:5:5: materials[0].bond_tension_limit: required by bonds of the uniform law, but "
+         "not given\n"
+         "s.yaml:5:5: materials[0].bond_shear_limit: required by bonds of the uniform law, but "
          "not "
          "given"},
         {"[0, 0, 4]", "[0, -0, 0]",

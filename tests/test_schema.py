@@ -331,6 +331,7 @@ def names_of_other_programs_are_explained_and_named_in_errors(folder):
     found = expect(gneiss("explain", "PB_EMOD"), 0).stdout
     assert found.startswith("pb_emod of PFC is materials[].contact_modulus: pi/4 pb_emod (docs/tutorials/from-pfc.md)\n\nmaterials[].contact_modulus: "), found
     assert "Kn of LAMMPS" in gneiss("keys", "kn").stdout and "kn of PFC" in gneiss("keys", "kn").stdout
+    expect(gneiss("keys", "PyRunner"), 2, r"no key concerns 'PyRunner': functions between steps are those of the Python module \(docs/python\.md\)")
     assert "fix gravity of LAMMPS is gravity" in gneiss("keys", "fix", "gravity").stdout
     scene = read(os.path.join(SCENES, "lattice-small.yaml"))
     scene["materials"][0]["pb_emod"] = "10 GPa"

@@ -12,6 +12,7 @@ PAGES = [("keys.md", "Keys of a scene", ()),
          ("keys-particles.md", "Keys of particles", ("specimen", "sets", "sources", "sinks")),
          ("keys-materials.md", "Keys of materials and contacts", ("materials", "contacts", "law", "bonds", "joints")),
          ("keys-walls.md", "Keys of walls, bodies and membrane", ("walls", "bodies", "membrane")),
+         ("keys-clumps.md", "Keys of clumps", ("clumps",)),
          ("keys-elements.md", "Keys of elements and coupling", ("elements", "couple")),
          ("keys-tests.md", "Keys of tests", ("test",))]
 TEXT = """# {title}

@@ -320,6 +320,34 @@ def plot_flow(results, path):
     return "Masses that sources inserted (dashed) and sinks removed; below, their rates over a sixtieth of the run."
 
 
+def plot_joints(results, path):
+    """Shear over normal force of joints, and the shares of their areas that are broken, open and sliding."""
+    x, label = abscissa(results)
+    owners = [n[len("joint_"):-len("_area")] for n in results.history if re.fullmatch(r"joint_.*_area", n)][:6]
+    if x is None or not owners:
+        return None
+    figure, (axes, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True)
+    axes.set_title("Joints")
+    for k, owner in enumerate(owners):
+        area, normal, shear, broken, opened, sliding = (
+            results.column(f"joint_{owner}_{name}") for name in ("area", "normal", "shear", "broken", "opened", "sliding"))
+        pressed = normal > 1e-3 * np.abs(normal).max()
+        ratio = np.divide(shear, normal, out=np.full(len(shear), np.nan), where=pressed)
+        axes.plot(x, ratio, color=f"C{k}", label=owner, **style_for(ratio))
+        for values, dashes in ((broken, {}), (opened, {"dashes": (5, 2)}), (sliding, {"dashes": (1, 1.5)})):
+            below.plot(x, np.divide(values, area, out=np.zeros(len(area)), where=area > 0), color=f"C{k}", lw=1.2, **dashes)
+    axes.set_ylabel("shear over normal force")
+    below.set_ylabel("share of the area")
+    below.set_ylim(0, 1.05)
+    below.set_xlabel(label)
+    place_legend(results, axes)
+    axes.margins(x=0.02)
+    mark_stages(results, axes, x)
+    save(figure, path)
+    return ("Magnitude of the sum of the shear forces over the sum of the normal forces of each joint that is pressed; below, the shares of its "
+            "area that are broken (full), open (dashed) and sliding (dotted).")
+
+
 def plot_unbalanced(results, path):
     x, label = abscissa(results)
     ratio = results.column("unbalanced")
@@ -441,6 +469,7 @@ CURVES = {
     "force_deflection": plot_deflection,
     "forces": plot_forces,
     "flow": plot_flow,
+    "joints": plot_joints,
     "conversion": plot_conversion,
     "energy": plot_energy,
     "unbalanced": plot_unbalanced,

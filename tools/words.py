@@ -69,7 +69,7 @@ CLEAN = [
     "src/zones",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
-GENERATED = {f"docs/{name}.md" for name in ("keys", "keys-particles", "keys-materials", "keys-walls", "keys-elements", "keys-tests",
+GENERATED = {f"docs/{name}.md" for name in ("keys", "keys-particles", "keys-materials", "keys-walls", "keys-clumps", "keys-elements", "keys-tests",
                                                "quantities", "quantities-readings", "quantities-fields")}
 
 # First words of a comment: it then describes a thing without a sentence.

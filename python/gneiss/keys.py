@@ -38,6 +38,7 @@ class Scene(TypedDict, total=False):
     joints: Sequence[Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source]  # regions where particles are created during the run
     sinks: Sequence[Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
+    clumps: Clumps  # rigid clumps of particles that may overlap within one
     membrane: Membrane  # pressure on the surface of the specimen
     test: Test  # a laboratory test, for which stress and strain are read
     time: Time  # step and duration
@@ -701,6 +702,41 @@ class SinkCylinder(TypedDict, total=False):
     height: Number  # number, m, in [1e-9, 1e9]: length along z
 
 
+class Clumps(TypedDict, total=False):
+    shapes: Sequence[ClumpsShape]  # shapes of clumps
+    placed: Sequence[ClumpsPlaced]  # clumps one by one
+    file: str  # file: text file of rows: name of a shape, centre x y z in m, and as far as given the orientation as a unit quaternion w x y z, velocity x y z in m/s, spin x y z in rad/s
+    filled: Sequence[ClumpsFilled]  # boxes filled at random by run.seed, with random orientations, so that clumps do not overlap each other
+
+
+class ClumpsShape(TypedDict, total=False):
+    name: str  # name: name by which placed, filled and file refer to it
+    spheres: Rows  # list of rows, m, or a whole number in [1, 10000]: rows [x, y, z, r] (2D: [x, y, r]) in the frame of the shape, which may overlap; with surface: the number of spheres that fill it
+    surface: str  # file: closed surface (STL, PLY, OBJ) that is filled with spheres; mass, centre and inertia are those of the surface
+    scale: Number  # number, in [1e-12, 1e12]: lengths of the rows or of the surface times this give metres (default 1)
+    material: str  # text: name of the material; may be left out when there is only one
+
+
+class ClumpsPlaced(TypedDict, total=False):
+    shape: str  # text: name of its shape
+    centre: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: position of its centre of mass
+    rotation: Number | Vector  # [x, y, z], in 2D a number, rad, in [-1e6, 1e6]: rotation vector (axis times angle) from the frame of the shape; in 2D one number
+    velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity of the centre at the start (default 0)
+    spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin at the start; in 2D one number
+
+
+class ClumpsFilled(TypedDict, total=False):
+    shapes: str | Sequence[str]  # name or list of names: names of one or several shapes, drawn with equal probability
+    box: ClumpsFilledBox  # box that contains all spheres
+    count: int | str  # whole number, in [1, 1e7]: number of clumps
+    velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity at the start (default 0)
+
+
+class ClumpsFilledBox(TypedDict, total=False):
+    min: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: lower corner
+    max: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: upper corner
+
+
 class Membrane(TypedDict, total=False):
     pressure: Table  # number, formula of t or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
     ramp: Number  # number, s, in [0, inf): time over which the pressure rises linearly from 0; in a stage that changes the membrane, from the present pressure since the start of the stage (default 0)
@@ -801,6 +837,7 @@ class Stage(TypedDict, total=False):
     joints: Sequence[Joint] | dict[str, Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source] | dict[str, Source]  # regions where particles are created during the run
     sinks: Sequence[Sink] | dict[str, Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
+    clumps: Clumps  # rigid clumps of particles that may overlap within one
     membrane: Membrane  # pressure on the surface of the specimen
     test: Test  # a laboratory test, for which stress and strain are read
     time: Time  # step and duration

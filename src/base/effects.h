@@ -50,7 +50,8 @@
     X(ROLLING, rolling, "contacts that resist rolling and twisting")                               \
     X(OVERLAP, overlap, "coupling zones of particles and finite elements")                         \
     X(COHESION, cohesion, "contacts that attract each other (JKR, DMT, liquid bridges)")           \
-    X(JOINTS, joints, "contacts across joints (smooth joints)")
+    X(JOINTS, joints, "contacts across joints (smooth joints)")                                    \
+    X(CLUMPS, clumps, "rigid clumps of particles")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -1,13 +1,8 @@
 /* Rigid bodies: creation from the scene and motion. Velocities belong to half steps and positions
- * to whole steps, as those of particles. A free rotation keeps the angular momentum in space and
- * rotates the body about its principal axes in turn; each rotation is exact: about x y z y x for
- * half, half, whole, half, half of the step (Dullweber, Leimkuhler and McLachlan 1997, J. Chem.
- * Phys. 107, 5840). Without a moment this keeps the momentum exactly and the energy without drift;
- * it is symplectic, reversible and of second order, in steps with large rotations of fourth order.
- */
-#include "base/eigen.h"
+ * to whole steps, as those of particles; for the free rotation see base/rotation.h. */
 #include "base/error.h"
 #include "base/new.h"
+#include "base/rotation.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
@@ -26,56 +21,9 @@
 
 /* --- orientation --- */
 
-static void set_axes(gn_rigid *b) {
-    const double *q = b->turn, w = q[0], x = q[1], y = q[2], z = q[3];
-    const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
-                         2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-                         2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
-    memcpy(b->axes, m, sizeof m);
-}
-
-static void multiply(const double a[4], const double b[4], double out[4]) {
-    const double r[4] = {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-                         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                         a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-                         a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
-    memcpy(out, r, sizeof r);
-}
-
-/* Normalises the quaternion, so that rounding cannot accumulate; the unit quaternion of a body that
- * does not rotate is unchanged. */
-static void settle(gn_rigid *b) {
-    double *q = b->turn, size2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (size2 != 1.0)
-        for (int k = 0; k < 4; k++) q[k] /= sqrt(size2);
-    set_axes(b);
-}
-
-/* Computes the quaternion of a rotation matrix given by rows (Shepperd 1978); the largest component
- * is computed first. */
-static void turn_from_matrix(const double m[9], double q[4]) {
-    double trace = m[0] + m[4] + m[8], size[4] = {trace, m[0], m[4], m[8]};
-    int k = 0;
-    for (int c = 1; c < 4; c++)
-        if (size[c] > size[k]) k = c;
-    double part[4] = {m[7] - m[5], m[2] - m[6], m[3] - m[1], 0.0};
-    if (k == 0) {
-        q[0] = 1.0 + trace;
-        for (int c = 0; c < 3; c++) q[c + 1] = part[c];
-    } else {
-        int a = k - 1, b = k % 3, c = (k + 1) % 3;
-        q[0] = part[a];
-        q[a + 1] = 1.0 + m[4 * a] - m[4 * b] - m[4 * c];
-        q[b + 1] = m[3 * a + b] + m[3 * b + a];
-        q[c + 1] = m[3 * a + c] + m[3 * c + a];
-    }
-    double size2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    for (int c = 0; c < 4; c++) q[c] /= sqrt(size2);
-}
-
 void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
     const double *s = b->turn_start, back[4] = {s[0], -s[1], -s[2], -s[3]};
-    multiply(b->turn, back, turn);
+    gn_turn_product(b->turn, back, turn);
     /* q and -q are the same rotation: either all four components change sign or none. */
     double sign = turn[0] < 0.0 ? -1.0 : 1.0;
     for (int k = 0; k < 4; k++) turn[k] *= sign;
@@ -87,19 +35,12 @@ static void turn_by(gn_rigid *b, const double vector[3]) {
     if (!(angle > 0.0)) return;
     double s = sin(0.5 * angle) / angle;
     const double q[4] = {cos(0.5 * angle), s * vector[0], s * vector[1], s * vector[2]};
-    multiply(q, b->turn, b->turn);
-    settle(b);
+    gn_turn_product(q, b->turn, b->turn);
+    gn_turn_settle(b->turn, b->axes);
 }
 
-/* Applies the exact flow of L_k^2/(2 I_k) over a time; L is constant in space. */
-static void turn_about_axis(gn_rigid *b, int k, double time) {
-    double along = 0.0;
-    for (int a = 0; a < 3; a++) along += b->axes[3 * a + k] * b->momentum[a];
-    double half = 0.5 * time * along * b->inverse_inertia[k];
-    double q[4] = {cos(half), 0.0, 0.0, 0.0};
-    q[k + 1] = sin(half);
-    multiply(b->turn, q, b->turn);
-    settle(b);
+static gn_rotor rotor_of(gn_rigid *b) {
+    return (gn_rotor){b->turn, b->axes, b->momentum, b->inverse_inertia};
 }
 
 static bool turns_freely(const gn_rigid *b) {
@@ -212,9 +153,8 @@ static void spin_from_momentum(gn_rigid *b) {
         turn_held(b, b->momentum, local, b->spin);
         return;
     }
-    gn_rigid_local(b, b->momentum, local);
-    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
-    gn_rigid_direct(b, local, b->spin);
+    const gn_rotor rotor = rotor_of(b);
+    gn_rotor_spin(&rotor, b->spin);
 }
 
 /* Computes the spin after half of the rotation of the step. */
@@ -246,45 +186,19 @@ static void rotate_held(gn_rigid *b, double dt) {
     spin_from_momentum(b);
 }
 
-/* Largest rotation, rad, of a step of second order, and of each part of a longer step. After ten
- * turns in such steps the error is at most 9e-4 and 1e-5 rad, for boxes from rods to plates. */
-static const double turn_plain = 0.005, turn_part = 0.1;
-
-static void run_about_axes(gn_rigid *b, double dt) {
-    static const int order[5] = {0, 1, 2, 1, 0};
-    static const double part[5] = {0.5, 0.5, 1.0, 0.5, 0.5};
-    for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
-}
-
-/* Performs a step of fourth order that keeps the invariants of the second-order one: parts s, s, 1
- * - 4 s, s, s of the step, s = 1/(4 - 4^(1/3)) (Suzuki 1990, Phys. Lett. A 146, 319). */
-static void run_far(gn_rigid *b, double dt) {
-    const double s = 1.0 / (4.0 - cbrt(4.0));
-    const double part[5] = {s, s, 1.0 - 4.0 * s, s, s};
-    for (int k = 0; k < 5; k++) run_about_axes(b, part[k] * dt);
-}
-
-/* Rotates a free body. The step is determined by springs and grains, so that a body may rotate far
- * in it. */
 static void rotate_freely(gn_rigid *b, double dt, bool space) {
+    const gn_rotor rotor = rotor_of(b);
     if (is_held(b)) {
         rotate_held(b, dt);
         return;
     }
-    double turn = dt * sqrt(gn_dot3(b->spin, b->spin));
-    /* Values that are not finite are detected after the step. */
-    int parts = turn > turn_plain ? (int)fmin(ceil(turn / turn_part), 1000.0) : 0;
-    if (!space)
-        turn_about_axis(b, 2, dt);
-    else if (parts == 0)
-        run_about_axes(b, dt);
-    for (int k = 0; space && k < parts; k++) run_far(b, dt / parts);
+    gn_rotor_advance(&rotor, dt * sqrt(gn_dot3(b->spin, b->spin)), dt, space);
     spin_from_momentum(b);
 }
 
 /* --- from the scene --- */
 
-/* Sets the principal axes, as a rotation, so that the frame is right-handed. */
+/* Sets the inertia about the principal axes, and the orientation of these. */
 static void set_principal(const gn_body_def *def, const gn_body_shape *shape, bool space,
                           gn_rigid *b) {
     double density = def->mass > 0.0 ? def->mass / shape->volume : def->density;
@@ -292,22 +206,10 @@ static void set_principal(const gn_body_def *def, const gn_body_shape *shape, bo
         memcpy(b->inertia, def->inertia, sizeof b->inertia);
         return;
     }
-    double a[9], values[3], vectors[9], m[9];
-    if (!space) {
-        b->inertia[2] = density * shape->moment[8];
-        return;
-    }
-    memcpy(a, shape->moment, sizeof a);
-    gn_eigen_symmetric(3, a, values, vectors);
-    double cross[3];
-    gn_cross3(vectors, vectors + 3, cross);
-    double sign = gn_dot3(cross, vectors + 6) < 0.0 ? -1.0 : 1.0;
-    for (int k = 0; k < 3; k++) {
-        b->inertia[k] = density * values[k];
-        for (int r = 0; r < 3; r++) m[3 * r + k] = (k == 2 ? sign : 1.0) * vectors[3 * k + r];
-    }
-    turn_from_matrix(m, b->turn);
-    set_axes(b);
+    double values[3];
+    gn_principal_axes(shape->moment, space, values, b->turn);
+    for (int k = space ? 0 : 2; k < 3; k++) b->inertia[k] = density * values[k];
+    gn_turn_axes(b->turn, b->axes);
 }
 
 static void set_motion_at_start(const gn_body_def *def, gn_rigid *b) {
@@ -333,7 +235,7 @@ static void set_body(const gn_scene *s, size_t k, const gn_body_shape *shape, gn
     bool space = s->dimension == 3;
     gn_spins spins = gn_body_spin_kind(s, def);
     b->turn[0] = 1.0;
-    set_axes(b);
+    gn_turn_axes(b->turn, b->axes);
     const double *at = def->has_reference ? def->reference
                        : def->free        ? shape->centre
                                           : def->origin;

@@ -112,10 +112,13 @@ static void complete(const gn_step_context *ctx, const gn_dem *dem, size_t p, do
         memset(total, 0, 6 * sizeof *total);
         return;
     }
+    const bool bound = gn_clump_of(dem, p) != NULL;
+    const double mass = bound ? gn_clump_mass_of(dem, p) : gn_own_share(q, p) / v[3];
     for (size_t a = 0; a < 3; a++) {
-        total[a] += gn_own_share(q, p) / v[3] * ctx->scene.gravity[a];
+        total[a] += mass * ctx->scene.gravity[a];
         if (q->applied) total[a] += q->applied[4 * p + a];
     }
+    if (bound) return; /* background damping acts on the clump */
     const unsigned held = driven(dem, p);
     damp(ctx, ctx->scene.background_coefficient, held, total, v, damping);
     if (spin && spin[3] > 0.0)

@@ -543,10 +543,15 @@ static gneiss_status command_help(const gn_options *options, gneiss_error *error
     return GNEISS_OK;
 }
 
-/* Returns the reason why no key exists for a technical term that the program does not model; NULL:
+/* Returns the reason why no key exists for a term of the field or of another program; NULL:
  * unknown. */
 static const char *not_modelled(const char *word) {
+    static const char functions[] =
+        "functions between steps are those of the Python module (docs/python.md) and the C API";
     static const char *const words[][2] = {
+        {"fish", functions},
+        {"pyrunner", functions},
+        {"callback", functions},
         {"water", "no water or other fluid is modelled: stresses are effective ones"},
         {"pore", "no water or other fluid is modelled: stresses are effective ones"},
         {"fluid", "no water or other fluid is modelled: stresses are effective ones"},

@@ -65,6 +65,7 @@ typedef struct gn_feature {
     X(bodies)                                                                                      \
     X(debris)                                                                                      \
     X(depth)                                                                                       \
+    X(clumps)                                                                                      \
     X(zones)                                                                                       \
     X(gauge)                                                                                       \
     X(control)                                                                                     \

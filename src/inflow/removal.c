@@ -274,7 +274,9 @@ static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger
                               int32_t way, gneiss_error *error) {
     gn_particles *q = &dem->particles;
     double *v = q->vel + 4 * p, *o = q->spin ? q->spin + 4 * p : NULL;
-    double energy = 0.5 * gn_dot3(v, v) / v[3] + (o ? 0.5 * gn_dot3(o, o) / o[3] : 0.0);
+    double energy = gn_clump_of(dem, p)
+                        ? gn_clumps_remove(dem, p)
+                        : 0.5 * gn_dot3(v, v) / v[3] + (o ? 0.5 * gn_dot3(o, o) / o[3] : 0.0);
     ledger->energy.removed += energy;
     if (way == LEFT)
         GN_TRY(gn_flow_note_lost(ctx, dem, p, error));
@@ -309,6 +311,7 @@ gneiss_status gn_particles_find_gone(const gn_step_context *ctx, gn_dem *dem, gn
     *gone = gn_alloc_array(n + 1, sizeof **gone);
     if (!*gone) return gn_no_memory(error, "removed particles");
     mark_gone(ctx, dem, *gone);
+    if (dem->clumps.count) gn_clumps_leave_whole(dem, *gone);
     while (ctx->scene.lost == GN_LOST_STOP && p < n && (*gone)[p] != LEFT) p++;
     if (ctx->scene.lost == GN_LOST_STOP && p < n)
         return left_domain(ctx, dem, p, gn_finest_reach(dem->radius_min), error);

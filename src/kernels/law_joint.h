@@ -113,7 +113,7 @@ GN_INLINE contact_force joint_force(const gn_contact_args *args, size_t c, size_
     if (args->measure && with.energy) book_elastic(&q, lanes, with);
     const gn_v3 whole = gn_axpy(q.t, q.normal, n, with.space);
     const gn_v part = gn_dot(whole, along, with.space);
-    return (contact_force){part, gn_axmy(whole, part, along, with.space)};
+    return (contact_force){part, gn_axmy(whole, part, along, with.space), gn_set(0.0)};
 }
 
 #endif

@@ -5,7 +5,6 @@
 #include "fem/fem.h"
 #include "frame/frame.h"
 #include "laboratory/laboratory.h"
-#include "particles/observe.h"
 #include "particles/particles.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"

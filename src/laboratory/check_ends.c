@@ -8,7 +8,6 @@
 #include "frame/frame.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
-#include "particles/observe.h"
 #include "particles/particles.h"
 #include "particles/sets.h"
 #include "scene/acts.h"

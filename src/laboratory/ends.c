@@ -9,7 +9,6 @@
 #include "laboratory/laboratory.h"
 #include "laboratory/strain_gauge.h"
 #include "measure/measure.h"
-#include "particles/observe.h"
 #include "particles/particles.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"

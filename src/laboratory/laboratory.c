@@ -561,7 +561,7 @@ gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *d
                                      const gn_boundary *boundary, const gn_solids *solids) {
     if (!ctx->scene.has_specimen) return GN_VOLUME_OF_ELEMENTS;
     if (ctx->effects & GN_FX_PERIODIC) return GN_VOLUME_OF_BOX;
-    if (!ctx->scene.specimen_given) return GN_VOLUME_OF_SOURCES;
+    if (!gn_scene_starts_filled(&ctx->scene)) return GN_VOLUME_OF_SOURCES;
     if (ctx->scene.specimen.pack.shape != GN_SHAPE_NONE) return GN_VOLUME_OF_SHAPE;
     if (gn_scene_from_packing(&ctx->scene)) return GN_VOLUME_OF_PACKING;
     bool given =

@@ -10,7 +10,6 @@
 #include "frame/frame.h"
 #include "membrane/cells.h"
 #include "particles/fragments.h"
-#include "particles/observe.h"
 #include "particles/particles.h"
 #include "soa/records.h"
 

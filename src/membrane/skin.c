@@ -10,7 +10,6 @@
 #include "pack/boundary.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
-#include "particles/observe.h"
 #include "particles/particles.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"

@@ -69,17 +69,19 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
         dem->radius_min = fmin(dem->radius_min, packing->sphere[4 * p + 3]);
         q->id[p] = (int32_t)p;
         /* The place of 1/m holds a density until materials are known; inf: that of the material. */
-        q->vel[4 * p + 3] = own->density ? own->density[p] : INFINITY;
-        for (size_t a = 0; own->motion && a < 3; a++) {
+        const bool listed = p < ctx->scene.specimen.packed_count;
+        q->vel[4 * p + 3] = own->density && listed ? own->density[p] : INFINITY;
+        for (size_t a = 0; own->motion && listed && a < 3; a++) {
             q->vel[4 * p + a] = own->motion[6 * p + a];
             if (q->spin) q->spin[4 * p + a] = own->motion[6 * p + 3 + a];
         }
-        q->material[p] = own->material ? own->material[p] : material < 0 ? 0 : material;
-        q->group[p] = own->group ? own->group[p] : (int32_t)ctx->scene.specimen.group;
+        q->material[p] = own->material && listed ? own->material[p] : material < 0 ? 0 : material;
+        q->group[p] = own->group && listed ? own->group[p] : (int32_t)ctx->scene.specimen.group;
         if (q->slot) q->slot[p] = -1;
         if (q->orientation) q->orientation[4 * p] = 1.0;
         if (q->own_share) q->own_share[p] = 1.0;
     }
+    gn_clumps_enter(dem);
     return GNEISS_OK;
 }
 
@@ -165,6 +167,7 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
     gn_dem *d = dem;
     GN_TRY(gn_sets_assign(ctx, dem, error));
     set_masses(ctx, dem);
+    gn_clumps_complete(dem);
     GN_TRY(take_velocities(ctx, dem, error));
     GN_TRY(gn_sets_apply(ctx, dem, error));
     GN_TRY(gn_flow_create(ctx, dem, error));
@@ -205,6 +208,7 @@ void gn_dem_free(gn_dem *dem) {
     gn_hold_free(&dem->hold);
     gn_events_free(&dem->events);
     gn_flow_free(&dem->flow);
+    gn_clumps_free(&dem->clumps);
     gn_active_pairs_free(&dem->near);
     void *blocks[] = {
         dem->index_of_id,    dem->channel_set,     dem->set_reaction,    dem->loose,
@@ -221,6 +225,7 @@ void gn_dem_free(gn_dem *dem) {
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
     gn_active_pairs_settle(ctx, dem);
     h = gn_soa_hash(&gn_particle_record, &dem->particles, h);
+    if (dem->clumps.count) h = gn_clumps_hash(&dem->clumps, h);
     for (int l = 0; l < GN_LIST_COUNT; l++)
         h = gn_soa_hash(&gn_contact_record, &dem->list[l].contacts, h);
     return gn_flow_hash(ctx, dem, h);

@@ -15,9 +15,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void join(const gn_contacts *bonds, int32_t *parent) {
-    for (size_t c = 0; c < bonds->soa.count; c++)
-        if (gn_contact_bonded(bonds, c)) gn_set_unite(parent, bonds->i[c], bonds->j[c]);
+/* Joins what intact bonds and intact joints hold together. */
+static void join(const gn_dem *dem, int32_t *parent) {
+    const gn_contacts *lists[] = {&dem->bonds.contacts, &dem->joints.contacts};
+    for (int l = 0; l < 2; l++)
+        for (size_t c = 0; c < lists[l]->soa.count; c++)
+            if (gn_contact_bonded(lists[l], c))
+                gn_set_unite(parent, lists[l]->i[c], lists[l]->j[c]);
 }
 
 static void join_touching(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
@@ -118,7 +122,7 @@ gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
     start(q, n);
-    join(&dem->bonds.contacts, q->parent);
+    join(dem, q->parent);
     return measure(ctx, dem, q->parent, q->volume, q->members);
 }
 
@@ -248,7 +252,7 @@ gneiss_status gn_fragments_list(const gn_step_context *ctx, const gn_dem *dem,
     GN_TRY(gn_new(&list->row, n + 1, "the fragments of particles", error));
     GN_TRY(gn_new(&list->of, n + 1, "the fragments of particles", error));
     start(q, n);
-    join(&dem->bonds.contacts, q->parent);
+    join(dem, q->parent);
     memset(list->of, -1, n * sizeof *list->of);
     sum_pieces(ctx, dem, list, list->of);
     qsort(list->row, list->count, sizeof *list->row, by_volume);

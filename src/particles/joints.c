@@ -313,6 +313,7 @@ static bool has_ended(const gn_step_context *ctx, const gn_dem *dem, size_t c) {
     const gn_contacts *list = &dem->joints.contacts;
     const int32_t i = list->i[c], j = list->j[c];
     gn_joint_shift shift;
+    if (!(list->kn[c] > 0.0)) return true; /* released with a removed particle */
     if (gn_contact_bonded(list, c)) return false;
     const int32_t face = gn_joint_between(dem, i, j, &shift);
     return !meets_by_joint(ctx, dem, i, j, face, shift) ||

@@ -52,14 +52,16 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
     return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
 }
 
-/* Removes pairs with a bond and, where elements convert, pairs of two dormant particles: their
- * bonds are stored, and their overlap is no contact. */
+/* Removes pairs with a bond, pairs of one clump and, where elements convert, pairs of two dormant
+ * particles: their bonds are stored, and their overlap is no contact. */
 static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
-    if (!dem->bonds.contacts.soa.count) return;
+    if (!dem->bonds.contacts.soa.count && !dem->clumps.count) return;
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_is_hidden_pair(ctx, dem, i, j)) continue;
+        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_is_hidden_pair(ctx, dem, i, j) ||
+            gn_clump_binds(dem, i, j))
+            continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }
@@ -248,10 +250,13 @@ void gn_dem_sum_masses(gn_dem *dem) {
     s->count = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_particle_is_active(q, p)) continue; /* removed */
+        if (q->clump && q->clump[p] >= 0) continue;
         double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
         dem->mass += own < 1.0 ? own * mass : mass;
         s->added += (1.0 - own) * mass;
         s->largest = fmax(s->largest, 1.0 / own);
         s->count += own < 1.0;
     }
+    for (size_t k = 0; k < dem->clumps.count; k++)
+        dem->mass += dem->clumps.clump[k].present * dem->clumps.clump[k].mass;
 }

@@ -56,12 +56,14 @@ void gn_dem_add_up(gn_dem *dem, const gn_contact_sums *walls) {
     }
     s->walls = *walls;
     s->motion = add_motion_sums(dem->motion_sums, dem->motion_blocks);
+    if (dem->clumps.count) gn_motion_sums_add(&s->motion, &dem->clumps.done.motion);
 }
 
 static void follow_change(const gn_step_context *ctx, gn_dem *dem) {
     const size_t count = dem->particles.soa.count;
     double *halves = dem->done.step_change;
-    halves[0] = halves[1] = 0.0;
+    for (int h = 0; h < 2; h++)
+        halves[h] = dem->clumps.count ? dem->clumps.done.step_change[h] : 0.0;
     if (!dem->vel_past) return;
     gn_ranks_whole(ctx->ranks);
     gn_rows_add_step_change(ctx, dem->vel_past, dem->particles.vel, count, halves);

@@ -81,9 +81,16 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
-    if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
+    if (ctx->scene.has_specimen && !gn_scene_starts_filled(&ctx->scene) &&
+        !(ctx->effects & GN_FX_PERIODIC))
         return 0.0; /* no volume is known besides that of the grains */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
-        solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
+        if (!gn_clump_of(dem, p))
+            solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
+    for (size_t k = 0; k < dem->clumps.count; k++) {
+        const gn_clump *c = &dem->clumps.clump[k];
+        const size_t material = (size_t)dem->clumps.member[(size_t)c->first].material;
+        solid += c->mass / ctx->scene.materials[material].density;
+    }
     return 1.0 - solid / ctx->volume;
 }

@@ -28,9 +28,6 @@ gneiss_status gn_dem_observe(const gn_step_context *ctx, const gn_dem *dem,
                              gneiss_error *error);
 void gn_observed_free(gn_observed *observed);
 
-/* Returns the mean radius over all rows of particles, m. */
-double gn_dem_mean_radius(const gn_dem *dem);
-
 /* Returns 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem);
 

@@ -14,6 +14,7 @@
 #include "limit/step_limits.h"
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
+#include "particles/clumps.h"
 #include "particles/contact_lists.h"
 #include "particles/events.h"
 #include "particles/flow.h"
@@ -141,6 +142,7 @@ struct gn_dem {
     int64_t broken_tension, broken_shear, bonds_at_start;
     gn_events events;
     gn_flow flow;
+    gn_clumps clumps;
     int64_t lost;          /* particles that left the domain */
     int64_t contact_steps; /* number of contacts processed, summed over steps */
 };
@@ -199,5 +201,8 @@ gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *de
                                     bool measure);
 /* Distributes the lists among ranks and threads. */
 gneiss_status gn_dem_deal(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+
+/* Returns the mean radius over all rows of particles, m. */
+double gn_dem_mean_radius(const gn_dem *dem);
 
 #endif

@@ -82,6 +82,7 @@ static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *arri
     q->id[p] = (int32_t)dem->ids++;
     q->material[p] = material;
     if (q->slot) q->slot[p] = -1;
+    if (q->clump) q->clump[p] = -1;
     if (q->orientation) q->orientation[4 * p] = 1.0;
     dem->radius_min = fmin(dem->radius_min, r);
     if (dem->loose) dem->loose[q->id[p]] = 1;

@@ -173,7 +173,17 @@ static void add_shape(const gn_scene *scene, gn_extent *extent) {
     gn_extent_add(extent, upper, 0.0);
 }
 
+static void add_clumps(const gn_clumps_def *clumps, gn_extent *extent) {
+    for (size_t k = 0; k < clumps->placed_count; k++)
+        gn_extent_add(extent, clumps->placed[k].centre, 0.0);
+    for (size_t k = 0; k < clumps->filled_count; k++) {
+        gn_extent_add(extent, clumps->filled[k].box_min, 0.0);
+        gn_extent_add(extent, clumps->filled[k].box_max, 0.0);
+    }
+}
+
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
+    add_clumps(&scene->clumps, extent);
     const gn_specimen *s = &scene->specimen;
     const bool read = s->file[0] || s->from[0];
     const double *rows = read ? s->packed : s->particles;
@@ -245,6 +255,11 @@ gneiss_status gn_specimen_prepare(const gn_step_context *ctx, gn_dem *dem, gneis
     const gn_particles *q = &dem->particles;
     const size_t count = q->soa.count;
     if (!own->act || !count) return GNEISS_OK;
+    if (dem->clumps.count)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a scene without clumps, whose particles a program prepares, "
+                       "found one with them",
+                       gn_scene_at(&ctx->scene, ctx->scene.clumps.where, "clumps").text);
     GN_TRY(own->act(own->context, count, q->pos, q->material, q->group, ctx->scene.origin, error));
     GN_TRY(check_prepared(ctx, q, error));
     memcpy(q->start, q->pos, count * 4 * sizeof(double));

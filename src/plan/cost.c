@@ -49,6 +49,9 @@ static void strip(gn_scene *scene, bool mixed) {
     scene->has_membrane = scene->has_couple = scene->has_pulse = false;
     scene->stage_count = 0;
     memset(scene->gravity, 0, sizeof scene->gravity);
+    memset(scene->gravity_over_time, 0, sizeof scene->gravity_over_time);
+    scene->loads_vary = false;
+    scene->formulas = NULL;
     scene->random_velocity = 0.0;
     scene->set_count = scene->wall_count = scene->body_count = 0;
     scene->start = GN_START_REST;

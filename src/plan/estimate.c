@@ -3,7 +3,7 @@
 #include "accuracy/accuracy.h"
 #include "base/new.h"
 #include "base/sort.h"
-#include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/stages.h"
 
 #include <math.h>

@@ -170,9 +170,7 @@ static void consider(setting_search *search, gn_proposal proposal) {
 static void try_ways(setting_search *search, gn_proposal proposal) {
     const gn_plan *plan = search->plan;
     bool masses = gn_slope_find(plan->groups.study, plan->reading, "mass scaling", false) &&
-                  search->world->ctx.scene.gravity[0] == 0.0 &&
-                  search->world->ctx.scene.gravity[1] == 0.0 &&
-                  search->world->ctx.scene.gravity[2] == 0.0;
+                  !gn_scene_has_gravity(&search->world->ctx.scene);
     bool start = !plan->statics_refusal && plan->estimate.first_break < plan->estimate.end_strain &&
                  gn_slope_find(plan->groups.study, plan->reading, "start", false);
     const int precisions = plan->mixed_known ? 2 : 1, starts = start ? 2 : 1;

@@ -65,7 +65,7 @@ static const gn_piece choice_pieces[] = {
 enum {
     PIECES = sizeof pieces / sizeof *pieces,
     CHOICE_PIECES = sizeof choice_pieces / sizeof *choice_pieces,
-    MOST_ARRAYS = 12
+    MOST_ARRAYS = 14
 };
 
 static size_t list_arrays(gn_world *world, gn_checkpoint_array out[MOST_ARRAYS]) {
@@ -82,6 +82,12 @@ static size_t list_arrays(gn_world *world, gn_checkpoint_array out[MOST_ARRAYS])
                                          gn_patch, point);
         out[n++] = GN_CHECKPOINT_MEMBERS("patch_owners", GN_I32, world->membrane.patch_count, 2,
                                          &world->membrane.patches, gn_patch, owner);
+    }
+    if (world->ctx.effects & GN_FX_CLUMPS) {
+        gn_clumps *c = &world->dem.clumps;
+        out[n++] = GN_CHECKPOINT_ARRAY("clumps", GN_F64, c->count, sizeof(gn_clump) / 8, &c->clump);
+        out[n++] = GN_CHECKPOINT_ARRAY("clump_members", GN_F64, c->member_count,
+                                       sizeof(gn_clump_member) / 8, &c->member);
     }
     if (world->ctx.effects & GN_FX_HERTZ && world->ctx.scene.has_specimen)
         out[n++] = GN_CHECKPOINT_ARRAY("driven", GN_F64,
@@ -201,6 +207,28 @@ static bool good_patches(const gn_world *world) {
     return good;
 }
 
+/* Checks that the members of clumps follow each other and that their particles belong to them. */
+static bool good_clumps(const gn_world *world) {
+    const gn_dem *dem = &world->dem;
+    const gn_clumps *all = &dem->clumps;
+    const gn_particles *q = &dem->particles;
+    double next = 0.0;
+    bool good = true;
+    for (size_t k = 0; k < all->count; k++) {
+        good = good && all->clump[k].first == next && all->clump[k].count >= 1.0 &&
+               all->clump[k].count <= (double)all->member_count;
+        next += all->clump[k].count;
+    }
+    good = good && next == (double)all->member_count;
+    for (size_t m = 0; m < all->member_count; m++)
+        good = good && all->member[m].id >= 0.0 && all->member[m].id < (double)dem->ids &&
+               all->member[m].id == floor(all->member[m].id) && all->member[m].material >= 0.0 &&
+               all->member[m].material < (double)world->ctx.scene.material_count;
+    for (size_t p = 0; q->clump && p < q->soa.count; p++)
+        good = good && q->clump[p] >= -1 && q->clump[p] < (int64_t)all->count;
+    return good;
+}
+
 static gneiss_status check_records(const gn_dem *dem, const char *path, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
     GN_TRY(gn_checkpoint_check_record("particles", &gn_particle_record, q, path, error));
@@ -222,7 +250,8 @@ static gneiss_status check(const gn_world *world, const char *path, gneiss_error
                        "%s: expected positive steps and intervals, found others", path);
     bool good = good_contacts(&d->prepared, n);
     for (int l = 0; l < GN_LIST_COUNT; l++) good = good && good_contacts(&d->list[l].contacts, n);
-    if (good && good_particles(world) && good_prescription(world) && good_patches(world))
+    if (good && good_particles(world) && good_prescription(world) && good_patches(world) &&
+        good_clumps(world))
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path, n);
@@ -283,6 +312,10 @@ gneiss_status gn_checkpoint_get_particles(gn_world *world, const gn_h5 *file, co
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
     if (world->ctx.effects & GN_FX_MEMBRANE)
         GN_TRY(gn_h5_rows(file, "arrays/patches", &world->membrane.patch_count, error));
+    if (world->ctx.effects & GN_FX_CLUMPS) {
+        GN_TRY(gn_h5_rows(file, "arrays/clumps", &d->clumps.count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/clump_members", &d->clumps.member_count, error));
+    }
     size_t count = list_arrays(world, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
     GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles,

@@ -7,6 +7,7 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "io/snapshot.h"
+#include "particles/joint_faces.h"
 #include "particles/law.h"
 #include "particles/particles.h"
 #include "soa/field.h"
@@ -46,12 +47,17 @@ static gn_output_contact between(const gn_output_view *view, const gn_contacts *
                            .j = i < j ? j : i,
                            .with = WITH_PARTICLE,
                            .side = -1,
+                           .joint = -1,
                            .state = list->cause ? gn_output_bond_state(list, c) : NEVER_BONDED};
     const double length = sqrt(gn_branch(&w->ctx, x, y, k.branch));
     for (int a = 0; a < (int)w->ctx.scene.dimension; a++) k.force[a] = turn * row[a];
     for (int a = 0; a < 3; a++) k.branch[a] *= turn;
     k.overlap = (list->length0 ? list->length0[c] : x[3] + y[3]) - length;
-    if (list->plane) k.overlap = -list->apart[c];
+    if (list->plane) {
+        k.overlap = -list->apart[c];
+        k.joint = w->dem.joint_faces->face[list->joint[c]].joint;
+        k.slip = list->slip[c];
+    }
     k.area = list->patch ? list->patch[c] : gn_contact_area(&w->ctx, &w->dem, list, c, k.overlap);
     split(&k);
     return k;
@@ -88,6 +94,7 @@ static gn_output_contact with_surface(const gn_output_view *view, size_t c) {
                            .j = -1,
                            .with = WITH_WALL,
                            .side = (int32_t)wall,
+                           .joint = -1,
                            .state = NEVER_BONDED};
     if (wall >= w->ctx.scene.wall_count) {
         const gn_surface *s = gn_surface_of_row(&w->ctx, &w->boundary, c);
@@ -104,7 +111,8 @@ static gn_output_contact with_surface(const gn_output_view *view, size_t c) {
 /* --- the whole list --- */
 
 static bool acts(const gn_contacts *list, const gn_contacts *seen, size_t c) {
-    return gn_contact_bonded(list, c) || gn_contact_carries(seen, c);
+    /* Joints are shown where they are open, too. */
+    return gn_contact_bonded(list, c) || gn_contact_carries(seen, c) || list->plane;
 }
 
 static bool pressed(const gn_world *world, size_t c) {
@@ -169,6 +177,8 @@ READ(first, k->i)
 READ(second, k->j)
 READ(with, k->with)
 READ(side, k->side)
+READ(joint, k->joint)
+READ(slip, k->slip)
 READ(state, k->state)
 READ(normal_force, k->normal)
 READ(shear_force, shear_of(k))
@@ -212,7 +222,7 @@ static const gn_output_field of_contacts[] = {
     {"overlap", "m",
      "rest length of a bond, or sum of the radii, less the distance of the centres; for walls and "
      "surfaces the radius less their distance (passive walls: less the overlap at the start); "
-     "below 0: a gap",
+     "below 0: a gap; across a joint its closure without dilation",
      BOTH, GN_F64, false, 1, read_overlap, 0},
     {"area", "m2",
      "section to which strengths of the pair refer, bonded or not: (2 r)^2 with the radius r that "
@@ -223,6 +233,9 @@ static const gn_output_field of_contacts[] = {
     {"normal_stress", "Pa", "normal force over that area, tension positive; 0 without one", BOTH,
      GN_F64, false, 1, read_normal_stress, 0},
     {"shear_stress", "Pa", "shear force over it", BOTH, GN_F64, false, 1, read_shear_stress, 0},
+    {"joint", "1", "index of the joint in the scene that the contact crosses; -1: none", BOTH,
+     GN_I32, false, 1, read_joint, 0},
+    {"slip", "m", "path of sliding along the joint; else 0", BOTH, GN_F64, false, 1, read_slip, 0},
 };
 _Static_assert(sizeof of_contacts / sizeof *of_contacts <= GN_OUTPUT_FIELDS_MOST,
                "room for the arrays of a snapshot");

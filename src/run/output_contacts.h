@@ -9,10 +9,12 @@ typedef struct gn_output_contact {
     int32_t i, j; /* rows of particles in files, the smaller one first; j -1: not a particle */
     int32_t with, side;
     int32_t state;
+    int32_t joint;    /* entry of joints that it crosses; -1: none */
     double force[3];  /* N, on i */
     double branch[3]; /* m, from the centre of i to that of j, or to the point of the force */
     double normal;    /* N, tension positive */
     double overlap;   /* m */
+    double slip;      /* m, along a joint */
     double area;      /* m2, in 2D over 1 m of thickness */
 } gn_output_contact;
 

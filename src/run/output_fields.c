@@ -42,8 +42,13 @@ READ(radius, w->dem.particles.pos[4 * k + 3])
 READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
-READ(mass,
-     gn_particle_is_active(&w->dem.particles, k) ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
+static double mass_of(const gn_dem *dem, size_t k) {
+    if (!gn_particle_is_active(&dem->particles, k)) return 0.0;
+    return gn_clump_of(dem, k) ? gn_clump_mass_of(dem, k) : 1.0 / dem->particles.vel[4 * k + 3];
+}
+
+READ(mass, mass_of(&w->dem, k))
+READ(clump, w->dem.particles.clump[k])
 READ(removed, !gn_particle_is_active(&w->dem.particles, k) && !gn_is_dormant(&w->dem, k))
 READ(dormant, gn_is_dormant(&w->dem, k))
 READ(membrane_area, fmax(w->dem.particles.skin[4 * k + 3], 0.0))
@@ -123,8 +128,10 @@ static const gn_output_field of_particles[] = {
      read_velocity, 0},
     {"spin", "rad/s", "angular velocity, half a step before the instant",
      GN_IN_RESULTS | GN_ON_REQUEST(spin), GN_F64, false, 3, read_spin, 0},
-    {"mass", "kg", "inertial mass, including that added by mass scaling; 0: removed", GN_IN_RESULTS,
-     GN_F64, false, 1, read_mass, 0},
+    {"mass", "kg",
+     "inertial mass, including that added by mass scaling; 0: removed; of a member of a clump its "
+     "part of the clump's mass, by volume of the spheres",
+     GN_IN_RESULTS, GN_F64, false, 1, read_mass, 0},
     {"damage", "1", "broken bonds over bonds at the start", BOTH, GN_F64, false, 1, read_damage, 0},
     {"stress", "Pa", "xx yy zz xy yz xz, tension positive", BOTH, GN_F64, false, 6, read_stress, 0},
     {"coordination", "1", "contacts that carry a force, and intact bonds", BOTH, GN_F64, false, 1,
@@ -142,6 +149,7 @@ static const gn_output_field of_particles[] = {
      "area of it that the membrane covers; 0: it is not in the skin, or has detached; with "
      "`membrane`",
      BOTH, GN_F64, false, 1, read_membrane_area, GN_FX_MEMBRANE},
+    {"clump", "1", "its clump, base 0; -1: none", BOTH, GN_I32, false, 1, read_clump, GN_FX_CLUMPS},
     {"orientation", "1",
      "unit quaternion w x y z of the rotation from the start, w >= 0: the smaller angle; with "
      "`output.orientation: on`",

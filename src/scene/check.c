@@ -290,7 +290,7 @@ static gneiss_status check_specimen(const check *section, gn_scene *scene) {
         GN_TRY(gn_check_keep_problem(section, not_given(section, "materials")));
     if (!scene->has_law && gn_check_is_valid(section, "law"))
         GN_TRY(gn_check_keep_problem(section, not_given(section, "law")));
-    if (!scene->specimen_given) return GNEISS_OK; /* sources supply all particles */
+    if (!scene->specimen_given) return GNEISS_OK; /* sources or clumps supply all particles */
     GN_TRY(gn_check_keep_problem(section, check_particles(section, scene)));
     if (!*specimen->material && scene->material_count == 1)
         memcpy(specimen->material, scene->materials[0].name, sizeof specimen->material);
@@ -312,7 +312,8 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
 gneiss_status gn_check_required(const check *section, double value, const char *key,
                                 const char *reason) {
     if (value > 0) return GNEISS_OK;
-    return gn_check_fail(section, key, "required %s, but not given", reason);
+    return gn_check_keep_problem(section,
+                                 gn_check_fail(section, key, "required %s, but not given", reason));
 }
 
 /* Checks that resistance to rolling has a tangential spring, from which its stiffness follows. */
@@ -340,7 +341,7 @@ static gneiss_status check_law_values(const check *section, const gn_scene *scen
         GN_TRY(
             gn_check_required(section, material->kratio + 1.0, "kratio", "by this law.stiffness"));
     GN_TRY(check_rolls(section, material, area));
-    GN_TRY(gn_check_grip(section, scene, material));
+    if (area || material->kratio >= 0) GN_TRY(gn_check_grip(section, scene, material));
     if (bonds) GN_TRY(gn_check_bonds_of(section, scene, material));
     if (scene->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(gn_check_required(section, material->normal_stiffness, "normal_stiffness",
@@ -627,7 +628,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     gn_scene *scene = reader->scene;
     check c = {.reader = reader, .map = root};
     if (!gn_check_is_valid(&c, "dimension")) return GNEISS_OK;
-    scene->has_specimen = scene->specimen_given || scene->source_count > 0;
+    scene->has_specimen = scene->specimen_given || scene->source_count > 0 || scene->has_clumps;
     if (scene->bonds == GN_SWITCH_AUTO)
         scene->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
     /* A scene that gives one stop condition gives all of them: in addition to it no other applies,
@@ -661,6 +662,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(gn_check_flow(reader, root));
     GN_TRY(gn_check_joints(reader, root));
+    GN_TRY(gn_check_clumps(reader, root));
     if (gn_check_is_valid(&c, "membrane") && gn_check_is_valid(&c, "test") &&
         gn_check_is_valid(&c, "specimen"))
         GN_TRY(gn_check_keep_problem(&c, gn_check_membrane(&c, scene)));

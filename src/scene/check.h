@@ -36,7 +36,8 @@ gneiss_status gn_check_name(const check *section, bool taken, const char *name);
 
 bool gn_check_given(const check *section, const char *key);
 
-/* Fails if a value is not above 0 although `reason` ("by softening energy") requires it. */
+/* Keeps a problem if a value is not above 0 although `reason` ("by softening energy") requires it,
+ * so that all missing keys are reported together. */
 gneiss_status gn_check_required(const check *section, double value, const char *key,
                                 const char *reason);
 
@@ -133,6 +134,9 @@ gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);
 
 /* Checks the list `joints`, which may be empty (check_joints.c). */
 gneiss_status gn_check_joints(const gn_reader *reader, const gn_node *root);
+
+/* Checks the section `clumps` if it is given (check_clumps.c). */
+gneiss_status gn_check_clumps(const gn_reader *reader, const gn_node *root);
 
 /* Checks the list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);

@@ -122,6 +122,8 @@ static bool is_used(const gn_scene *scene, const char *name) {
         used |= strcmp(scene->bodies[k].material, name) == 0;
     for (size_t k = 0; k < scene->source_count; k++)
         used |= strcmp(scene->sources[k].material, name) == 0;
+    for (size_t k = 0; k < scene->clumps.shape_count; k++)
+        used |= strcmp(scene->clumps.shapes[k].material, name) == 0;
     return used;
 }
 

@@ -166,9 +166,9 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     if (scene->set_count && !scene->specimen_given)
         return gn_check_needs(section, "sets", "sources alone",
                               "a specimen, whose particles sets select");
-    for (size_t k = 0; k < scene->source_count && !scene->specimen_given; k++)
+    for (size_t k = 0; k < scene->source_count && !gn_scene_starts_filled(scene); k++)
         if (scene->sources[k].start == 0) return GNEISS_OK;
-    if (scene->specimen_given) return GNEISS_OK;
+    if (gn_scene_starts_filled(scene)) return GNEISS_OK;
     return gn_check_fail(section, list,
                          "expected a specimen, or a source with start 0, found neither: the scene "
                          "starts without particles");

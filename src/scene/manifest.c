@@ -526,6 +526,9 @@ static const gn_key scene_keys[] = {
           .range = "[0, 1000]",
           .text = "regions where particles are removed and counted; each sink takes those that "
                   "earlier ones leave"),
+    SECTION("clumps", gn_clumps_section, .offset = offsetof(gn_scene, clumps),
+            PRESENT(BOOL, gn_scene, has_clumps),
+            .text = "rigid clumps of particles that may overlap within one"),
     SECTION("membrane", gn_membrane_section, PRESENT(BOOL, gn_scene, has_membrane),
             .text = "pressure on the surface of the specimen"),
     SECTION("test", gn_test_section, PRESENT(ENUM, gn_scene, test.kind),

@@ -104,7 +104,7 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
 
 /* Sections of the scene that other files define; members of sections that are not lists are in
  * gn_scene. */
-extern const gn_section gn_couple_section, gn_elements_section, gn_joint_section,
+extern const gn_section gn_clumps_section, gn_couple_section, gn_elements_section, gn_joint_section,
     gn_membrane_section, gn_output_section, gn_sink_section, gn_source_section, gn_test_section,
     gn_time_section;
 

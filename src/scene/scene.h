@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/instruction_sets.h"
 #include "base/particle_columns.h"
+#include "scene/clump_def.h"
 #include "scene/couple_def.h"
 #include "scene/flow_def.h"
 #include "scene/joint_def.h"
@@ -475,7 +476,7 @@ typedef struct gn_scene {
     double origin[3]; /* m: positions in computations are relative to it */
 
     bool has_specimen;   /* particles exist, at the start or later */
-    bool specimen_given; /* particles exist at the start */
+    bool specimen_given; /* particles other than those of clumps exist at the start */
     gn_specimen specimen;
     size_t material_count;
     gn_material *materials;
@@ -547,6 +548,8 @@ typedef struct gn_scene {
     size_t source_count, sink_count;
     gn_source_def *sources;
     gn_sink_def *sinks;
+    bool has_clumps;
+    gn_clumps_def clumps;
     bool has_membrane;
     gn_membrane_def membrane;
     gn_test test;
@@ -685,6 +688,7 @@ gn_spins gn_body_spin_kind(const gn_scene *scene, const gn_body_def *body);
 bool gn_body_mass_is_from_surface(const gn_body_def *body);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
+int gn_scene_find_clump_shape(const gn_scene *scene, const char *name);
 /* Returns the entry of `contacts` for two materials; NULL: none. */
 const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *first,
                                             const gn_material *second);
@@ -738,6 +742,10 @@ static inline double gn_scene_spin_damping(const gn_scene *scene) {
 /* True if stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;
+}
+/* True if particles exist at the start. */
+static inline bool gn_scene_starts_filled(const gn_scene *scene) {
+    return scene->specimen_given || scene->has_clumps;
 }
 /* True if particles enter or leave during the run. */
 static inline bool gn_scene_has_flow(const gn_scene *scene) {

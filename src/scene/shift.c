@@ -47,9 +47,19 @@ static void shift_flow(gn_scene *scene) {
     }
 }
 
+static void shift_clumps(gn_scene *scene) {
+    for (size_t k = 0; k < scene->clumps.placed_count; k++)
+        shift(scene, scene->clumps.placed[k].centre);
+    for (size_t k = 0; k < scene->clumps.filled_count; k++) {
+        shift(scene, scene->clumps.filled[k].box_min);
+        shift(scene, scene->clumps.filled[k].box_max);
+    }
+}
+
 void gn_scene_shift(gn_scene *scene) {
     if (scene->has_specimen) shift_specimen(scene);
     shift_flow(scene);
+    shift_clumps(scene);
     if (scene->has_elements) {
         shift(scene, scene->elements.origin);
         shift(scene, scene->elements.beam.origin);

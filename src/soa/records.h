@@ -67,7 +67,8 @@
     X(mean_rate, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/s",                  \
       "mean rate of the stabilising pressure at the last instant")                                 \
     X(blend, double, GN_F64, 2, GN_ROWS, GN_SAVED, GN_FX_OVERLAP, 0, "1, 1",                       \
-      "weight of its forces in a coupling zone; weight of its mass")
+      "weight of its forces in a coupling zone; weight of its mass")                               \
+    X(clump, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_CLUMPS, 0, "1", "clump, -1: none")
 
 /* Y expands to the column itself and to its single precision form. Both end in X(name, ctype, type,
  * components, layout, role, care, needs, unless, unit, text, single_of), with `soa` for a column

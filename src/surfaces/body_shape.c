@@ -296,6 +296,14 @@ gneiss_status gn_body_shape_make(const gn_scene *scene, size_t index, gn_body_sh
     return status;
 }
 
+gneiss_status gn_body_shape_of_mesh(const gn_mesh *mesh, gn_body_shape *shape,
+                                    gneiss_error *error) {
+    const gn_body_def unplaced = {.scale = 1.0};
+    *shape = (gn_body_shape){0};
+    gneiss_status status = from_mesh(&unplaced, mesh, shape, error);
+    return status == GNEISS_OK ? weigh(shape, 3, error) : status;
+}
+
 void gn_body_shape_free(gn_body_shape *shape) {
     gn_free(shape->vertex);
     gn_free(shape->corner);

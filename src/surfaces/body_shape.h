@@ -2,6 +2,7 @@
 #ifndef GN_SURFACES_BODY_SHAPE_H
 #define GN_SURFACES_BODY_SHAPE_H
 
+#include "mesh/mesh.h"
 #include "scene/scene.h"
 
 /* A shape with vertices in the scene's frame; facets are segments (2D) or triangles. */
@@ -19,6 +20,9 @@ typedef struct gn_body_shape {
  * volume, centre and moment are computed (GNEISS_ERROR_INPUT names the open edge). */
 gneiss_status gn_body_shape_make(const gn_scene *scene, size_t index, gn_body_shape *shape,
                                  gneiss_error *error);
+/* Makes the shape of a closed surface that gn_mesh_close_surface has oriented, with its volume,
+ * centre and moment. */
+gneiss_status gn_body_shape_of_mesh(const gn_mesh *mesh, gn_body_shape *shape, gneiss_error *error);
 void gn_body_shape_free(gn_body_shape *shape);
 
 /* Computes the rotation matrix (rows) of a rotation vector, axis times angle. */

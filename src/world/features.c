@@ -288,6 +288,20 @@ const gn_feature gn_feature_box = {
              [GN_HOOK_MOVED] = move_box},
 };
 
+static bool has_clumps(const gn_world *world) {
+    return world->dem.clumps.count > 0;
+}
+
+GN_HOOK(hold_clumps) {
+    return gn_clumps_follow_rows(&world->dem, error);
+}
+
+const gn_feature gn_feature_clumps = {
+    .name = "clumps",
+    .used = has_clumps,
+    .hook = {[GN_HOOK_LISTS] = hold_clumps},
+};
+
 static bool has_zones(const gn_world *world) {
     return world->zones.coupled != NULL;
 }

@@ -84,9 +84,11 @@ static gn_contact_sums wall_sums(const gn_step_context *ctx, const gn_dem *dem,
 
 void gn_world_move_particles(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              bool measure) {
+    gn_clumps_move(ctx, dem, measure);
     if (dem->hold.count) {
         gn_motion_args motion = gn_world_motion_args(ctx, dem, boundary, measure);
         gn_world_sweep_held(dem, &motion);
+        gn_clumps_move_members(ctx, dem);
     }
     const gn_contact_sums walls = wall_sums(ctx, dem, boundary);
     gn_dem_moved(ctx, dem, &walls);
@@ -145,7 +147,10 @@ void gn_world_measure_particles(const gn_world *world, gn_energy *ledger, double
     ledger->elastic_shear = s->contacts.elastic_shear;
     ledger->elastic_bending = s->contacts.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
-    for (int k = 0; k < 9; k++) stress[k] = (s->contacts.stress[k] + s->walls.stress[k]) / volume;
+    for (int k = 0; k < 9; k++) {
+        const double clumps = world->dem.clumps.count ? world->dem.clumps.done.stress[k] : 0.0;
+        stress[k] = (s->contacts.stress[k] + s->walls.stress[k] + clumps) / volume;
+    }
     gn_membrane_stress(&world->ctx, &world->membrane, volume, stress);
 }
 
@@ -170,7 +175,8 @@ static double carried(const gn_dem *dem, const gn_boundary *boundary, double *co
 
 void gn_world_balance_particles(const gn_dem *dem, const gn_boundary *boundary,
                                 gn_balance *balance) {
-    const double particles = (double)gn_dem_present_count(dem) - (double)dem->prescribed.count;
+    const double particles = (double)gn_dem_present_count(dem) - (double)dem->prescribed.count -
+                             (double)gn_clumps_bound(&dem->clumps);
     const double resultant = dem->done.motion.resultant;
     double count, force = carried(dem, boundary, &count);
     balance->force = force > 0.0 ? force / count : 0.0;

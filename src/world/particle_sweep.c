@@ -159,5 +159,8 @@ void gn_world_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;
 #pragma omp parallel for schedule(static) num_threads(dem->deal.team)
-    for (size_t h = 0; h < held; h++) gn_dem_move_block(dem, &args, (size_t)dem->hold.block[h]);
+    for (size_t h = 0; h < held; h++) {
+        const size_t block = (size_t)dem->hold.block[h];
+        if (!gn_clumps_fill(&dem->clumps, block)) gn_dem_move_block(dem, &args, block);
+    }
 }

@@ -35,6 +35,7 @@ static gneiss_status check_box(const gn_scene *s, gneiss_error *error) {
 
 static gneiss_status check_scene(const gn_scene *s, gneiss_error *error) {
     if (s->has_elements) return refuse(s, s->elements.where, "elements", "finite elements", error);
+    if (s->has_clumps) return refuse(s, s->clumps.where, "clumps", "clumps", error);
     if (s->has_membrane) return refuse(s, s->membrane.where, "membrane", "membranes", error);
     if (gn_scene_test(s)->tool) return refuse(s, s->test.where, "test", "tests of tools", error);
     if (s->confinement == GN_CONFINEMENT_MEAN)

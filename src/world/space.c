@@ -6,7 +6,6 @@
 #include "laboratory/ends.h"
 #include "membrane/membrane.h"
 #include "particles/flow.h"
-#include "particles/observe.h"
 #include "particles/particles.h"
 #include "scene/acts.h"
 #include "scene/laboratory.h"

@@ -43,9 +43,11 @@
 /* Creates the particles of the specimen, and sets the volume if the specimen has a shape. */
 static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_packing packing = {0};
-    if (!ctx->scene.specimen_given) return gn_dem_create(ctx, dem, &packing, error);
-    GN_TRY(gn_specimen_make(&ctx->scene, &packing, &ctx->volume, error));
-    gneiss_status status = gn_dem_create(ctx, dem, &packing, error);
+    if (!gn_scene_starts_filled(&ctx->scene)) return gn_dem_create(ctx, dem, &packing, error);
+    if (ctx->scene.specimen_given)
+        GN_TRY(gn_specimen_make(&ctx->scene, &packing, &ctx->volume, error));
+    gneiss_status status = gn_clumps_make(ctx, &packing, &dem->clumps, error);
+    if (status == GNEISS_OK) status = gn_dem_create(ctx, dem, &packing, error);
     if (status == GNEISS_OK) status = gn_specimen_prepare(ctx, dem, error);
     ctx->given.preparation = (gn_preparation){0};
     gn_packing_free(&packing);
@@ -104,7 +106,7 @@ static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
     gn_volume_source source = gn_volume_source_of(ctx, dem, boundary, solids);
-    if (!ctx->scene.specimen_given)
+    if (!gn_scene_starts_filled(&ctx->scene))
         gn_flow_bounds(ctx, dem, ctx->lower, ctx->upper);
     else if (source == GN_VOLUME_OF_HULL)
         GN_TRY(gn_packing_hull(&dem->particles, (int)ctx->scene.dimension, &ctx->volume, ctx->lower,
