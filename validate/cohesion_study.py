@@ -75,7 +75,7 @@ def run(program, scene, out, bond):
 
 
 def heap(place):
-    """Slope, degrees, of both flanks of the heap, and its height and half width, in radii. The surface is the mean, over 2.5 mm of |x|, of the
+    """Slope, degrees, of both flanks of the heap (nan if they are not lower outside), its height and half width, in radii. The surface is the mean, over 2.5 mm of |x|, of the
     highest grains across y; the slope that of a line through it between 15 and 85 % of the height."""
     with h5py.File(os.path.join(place, "results.h5")) as file:
         at = file["particles/position"][:]
@@ -91,7 +91,7 @@ def heap(place):
     height = top.max()
     flank = (top > 0.15 * height) & (top < 0.85 * height)
     slope = -np.polyfit(middle[flank], top[flank], 1)[0] if flank.sum() > 1 else math.nan
-    return math.degrees(math.atan(slope)), height / RADIUS, np.quantile(x, 0.98) / RADIUS
+    return math.degrees(math.atan(slope)) if slope > 0 else math.nan, height / RADIUS, np.quantile(x, 0.98) / RADIUS
 
 
 def last(place, *names):
@@ -117,7 +117,7 @@ def main():
         contacts, pores, bridges, residual = last(place, "coordination", "porosity", "bridges", "energy_residual")
         rows.append({"bond": bond, "slope": slope, "height": height, "width": width, "coordination": contacts, "porosity": pores,
                      "bridges": bridges, "residual": residual})
-        print(f"| {bond:g} | {slope:.0f} deg | {height:.1f} r | {width:.1f} r | {contacts:.2f} | {pores:.3f} | "
+        print(f"| {bond:g} | {'it stands' if math.isnan(slope) else f'{slope:.0f} deg'} | {height:.1f} r | {width:.1f} r | {contacts:.2f} | {pores:.3f} | "
               f"{'none' if math.isnan(bridges) else f'{bridges:.0f}'} | {residual:.1e} |", flush=True)
     with open(os.path.join(out, "cohesion.json"), "w") as file:
         json.dump(rows, file, indent=1)
