@@ -32,7 +32,8 @@ typedef struct gn_uniform {
 /* The particles whose contacts are summed in the sums of the structure: those with centres in a
  * box, m. */
 typedef struct gn_structure_box {
-    bool used; /* the sums are formed */
+    bool used;  /* the sums are formed */
+    bool whole; /* the box is unlimited */
     double low[3], high[3];
 } gn_structure_box;
 static inline bool gn_in_structure(const gn_structure_box *box, const double x[3]) {

@@ -155,27 +155,42 @@ typedef struct structure_lanes {
     _Alignas(64) gn_real n[3][GN_W], normal[GN_W], shear[GN_W], limit[GN_W];
 } structure_lanes;
 
-/* Adds to the sums of the structure; in rows of the history only. A sliding contact is at its limit
- * up to rounding. */
+/* Returns how many ends of a contact are in the box of the structure. */
+static inline double ends_inside(const gn_contact_args *args, size_t at) {
+    const gn_contacts *k = args->contacts;
+    if (args->structure.whole) return 2.0;
+    return (double)gn_in_structure(&args->structure, args->pos + 4 * (size_t)k->i[at]) +
+           (double)gn_in_structure(&args->structure, args->pos + 4 * (size_t)k->j[at]);
+}
+
+/* Adds to the sums of the structure, contact by contact; in rows of the history only. A sliding
+ * contact is at its limit up to rounding. */
 static __attribute__((noinline, unused)) void add_structure(const gn_contact_args *args, size_t c,
                                                             size_t end, const structure_lanes *l,
                                                             gn_contact_sums *sums) {
     const gn_contacts *k = args->contacts;
-    for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) {
-        const size_t at = c + lane;
-        const bool bond = k->cause && k->cause[at] == GN_INTACT;
+    const size_t count = end - c < GN_W ? end - c : GN_W;
+    double *f = sums->fabric, xx = f[0], xy = f[1], xz = f[2], yy = f[4], yz = f[5], zz = f[8];
+    for (size_t lane = 0; lane < count; lane++) {
+        const bool bond = k->cause && k->cause[c + lane] == GN_INTACT;
         if (!bond && !(l->normal[lane] != 0 || l->shear[lane] > 0)) continue;
-        const double ends =
-            (double)gn_in_structure(&args->structure, args->pos + 4 * (size_t)k->i[at]) +
-            (double)gn_in_structure(&args->structure, args->pos + 4 * (size_t)k->j[at]);
-        const bool slides = l->shear[lane] > 0 && l->shear[lane] >= l->limit[lane] * (1 - 1e-6);
+        const double ends = ends_inside(args, c + lane), x = (double)l->n[0][lane],
+                     y = (double)l->n[1][lane], z = (double)l->n[2][lane];
         sums->ends += ends;
-        if (!bond) sums->loose_ends += ends;
-        if (!bond && slides) sums->sliding_ends += ends;
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++)
-                sums->fabric[3 * a + b] += ends * (double)l->n[a][lane] * (double)l->n[b][lane];
+        if (!bond) {
+            sums->loose_ends += ends;
+            if (l->shear[lane] > 0 && l->shear[lane] >= l->limit[lane] * (1 - 1e-6))
+                sums->sliding_ends += ends;
+        }
+        xx += ends * x * x;
+        xy += ends * x * y;
+        xz += ends * x * z;
+        yy += ends * y * y;
+        yz += ends * y * z;
+        zz += ends * z * z;
     }
+    const double all[9] = {xx, xy, xz, xy, yy, yz, xz, yz, zz};
+    memcpy(f, all, sizeof all);
 }
 
 GN_INLINE void read_structure(const gn_contact_args *args, size_t c, size_t end, gn_v3 n,

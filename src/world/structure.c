@@ -1,5 +1,6 @@
 #include "world/structure.h"
 
+#include "base/ball.h"
 #include "frame/frame.h"
 #include "measure/structure.h"
 #include "particles/particles.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 
 gn_structure_box gn_structure_box_of(const gn_scene *scene) {
-    gn_structure_box box = {.used = true};
+    gn_structure_box box = {.used = true, .whole = !scene->has_structure};
     for (int a = 0; a < 3; a++) {
         const bool limited = scene->has_structure && a < (int)scene->dimension;
         box.low[a] = limited ? scene->structure_min[a] : -INFINITY;
@@ -30,6 +31,7 @@ static double part_in_box(const gn_step_context *ctx, const double *row,
                           const gn_structure_box *box) {
     int images[3];
     double sum = 0.0;
+    if (box->whole) return gn_ball_volume((int)ctx->scene.dimension, row[3]);
     for (int a = 0; a < 3; a++) images[a] = ctx->period[a] > 0.0 && isfinite(box->low[a]);
     for (int i = -images[0]; i <= images[0]; i++)
         for (int j = -images[1]; j <= images[1]; j++)
