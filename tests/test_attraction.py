@@ -44,6 +44,33 @@ def the_resolved_scene_of_every_law_runs_and_resumes(folder):
 
 
 @fact
+def grains_that_fall_into_their_attraction_are_resolved(folder):
+    """Two resting grains that just touch: by Hertz's force 2/3 k u^(3/2) less a constant A the kinetic energy has the
+    maximum 3/5 A u_e at the equilibrium u_e = (3 A/(2 k))^(2/3), in every cycle."""
+    radius, poisson, first = 1e-3, 0.25, 1e-10  # first overlap, m
+    for law, adhesion in (("dmt", 1e-3), ("dmt", 0.1), ("liquid", 0.0)):
+        for young in (2e6, 1e9):
+            scene = heap(law, gravity=[0, 0, 0], walls=[])
+            scene["specimen"] = {"particles": [[0, 0, 0, radius], [2 * radius - first, 0, 0, radius]], "group": 0}
+            scene["materials"][0].update({"young": young, "restitution": 1, "friction": 0})
+            if law == "dmt":
+                scene["materials"][0]["adhesion"] = adhesion
+            modulus = young / (2 * (1 - poisson**2))
+            k = 2 * modulus * (radius / 2)**0.5
+            pull = 2 * np.pi * (radius / 2) * (adhesion if law == "dmt" else 2 * 0.073)
+            rest = (1.5 * pull / k)**(2 / 3)
+            period = 2 * np.pi * (2 / 3 * np.pi * radius**3 * 2500 / (k * rest**0.5))**0.5
+            scene["time"] = {"end": 6 * period}
+            scene["output"] = {"history_rows": 5000, "snapshots": 0}
+            here = os.path.join(folder, f"{law}-{adhesion}-{young}")
+            os.mkdir(here)
+            run(write_scene(here, scene), here)
+            moving = history(here)["energy_kinetic"] / (0.6 * pull * rest - pull * first + 4 / 15 * k * first**2.5)
+            peaks = moving[1:-1][(moving[1:-1] >= moving[:-2]) & (moving[1:-1] > moving[2:])]
+            assert len(peaks) >= 6 and max(abs(peaks - 1)) < 0.03, (law, adhesion, young, peaks)
+
+
+@fact
 def wet_grains_may_not_be_removed_and_joints_do_not_attract(folder):
     scene = write_scene(folder, heap("liquid"))
     expect(gneiss("check", scene, "--set", "domain.lost=remove"), 2, r"law\.cohesion: expected none .*are removed")
