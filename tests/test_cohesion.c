@@ -439,8 +439,8 @@ static void threads_change_no_bit(void **state) {
     for (int k = 0; k < KINDS; k++) {
         gn_world *one = gas(kinds[k].law, kinds[k].matter, 1),
                  *two = gas(kinds[k].law, kinds[k].matter, 2);
-        run_steps(one, 1500);
-        run_steps(two, 1500);
+        run_steps(one, 500);
+        run_steps(two, 500);
         assert_true(gn_world_hash(&one->ctx, &one->dem, &one->boundary, &one->solids, &one->box) ==
                     gn_world_hash(&two->ctx, &two->dem, &two->boundary, &two->solids, &two->box));
         world_end(one);

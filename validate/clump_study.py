@@ -20,8 +20,7 @@ GRAIN = {"name": "grain", "density": 2500, "young": 2e6, "poisson": 0.25, "frict
 SHAPES = {"sphere": [[0, 0, 0]],
           "two spheres": [[-0.6, 0, 0], [0.6, 0, 0]],
           "three in a triangle": [[0, 0, 0], [1.1, 0, 0], [0.55, 0.9526, 0]],
-          "four in a tetrahedron": [[0.6, 0.6, 0.6], [0.6, -0.6, -0.6], [-0.6, 0.6, -0.6], [-0.6, -0.6, 0.6]],
-          "rod of four": [[-1.8, 0, 0], [-0.6, 0, 0], [0.6, 0, 0], [1.8, 0, 0]]}
+          "four in a tetrahedron": [[0.6, 0.6, 0.6], [0.6, -0.6, -0.6], [-0.6, 0.6, -0.6], [-0.6, -0.6, 0.6]]}
 
 
 def volume(centres):

@@ -4,14 +4,11 @@
 #include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
-#include "measure/structure.h"
 #include "membrane/membrane.h"
-#include "particles/bridges.h"
 #include "soa/bond_causes.h"
 #include "solids/dormant_places.h"
 #include "timestep/timestep.h"
 #include "world/space.h"
-#include "world/structure.h"
 #include "zones/zones.h"
 
 #include <string.h>
@@ -40,10 +37,6 @@ HOLDS(has_opening, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.h
 HOLDS(has_control, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.has_control)
 HOLDS(has_membrane, world->ctx.effects &GN_FX_MEMBRANE)
 HOLDS(has_specimen, world->ctx.scene.has_specimen)
-HOLDS(has_volume_of_grains, world->ctx.scene.has_specimen &&gn_structure_has_volume(world))
-HOLDS(has_friction, world->ctx.effects &GN_FX_FRICTION)
-HOLDS(has_liquid,
-      world->ctx.effects &GN_FX_COHESION && world->ctx.scene.cohesion == GN_COHESION_LIQUID)
 HOLDS(has_bonds, world->ctx.effects &GN_FX_BONDS)
 HOLDS(has_ledger, world->ctx.effects &GN_FX_ENERGY)
 HOLDS(is_periodic, world->ctx.effects &GN_FX_PERIODIC)
@@ -91,10 +84,6 @@ static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test
                           strained = {"without sources and sinks", has_average_strain, NULL},
                           central = {"in %s tests of particles", has_specimen, is_disc},
                           staged = {"with stages", has_stages, NULL},
-                          of_grains = {"with particles", has_specimen, NULL},
-                          porous = {"with particles in a known volume", has_volume_of_grains, NULL},
-                          rubbing = {"with friction between particles", has_friction, NULL},
-                          moist = {"with law.cohesion liquid", has_liquid, NULL},
                           bonded = {"with bonds", has_bonds, NULL},
                           booked = {"with the energy ledger", has_ledger, NULL},
                           raised = {"with mass scaling", has_added_mass, NULL},
@@ -323,38 +312,6 @@ static void read_returned_energy(const gn_world *world, size_t k, double *value)
 
 READ(elements, (double)gn_elements_left_count(&world->solids))
 
-READ(porosity, gn_structure_porosity(world))
-READ(coordination, gn_structure_coordination(world))
-READ(sliding, gn_structure_sliding(world))
-static void read_fabric(const gn_world *world, size_t k, double *value) {
-    (void)k;
-    gn_structure_fabric(world, value);
-}
-static gn_anisotropy anisotropy_of(const gn_world *world) {
-    double fabric[9];
-    gn_structure_fabric(world, fabric);
-    return gn_fabric_anisotropy((int)world->ctx.scene.dimension, fabric);
-}
-READ(anisotropy, anisotropy_of(world).degree)
-static void read_fabric_direction(const gn_world *world, size_t k, double *value) {
-    (void)k;
-    copy3(value, anisotropy_of(world).direction);
-}
-
-/* Returns the liquid of bridges with walls, m3. */
-static double liquid_at_walls(const gn_world *world) {
-    const gn_wall_contacts *list = &world->boundary.contacts;
-    double sum = 0.0;
-    for (size_t c = 0; c < list->soa.count; c++) sum += list->bridge[c];
-    return sum;
-}
-static double liquid_in_bridges(const gn_world *world) {
-    return gn_bridges_sum(&world->ctx, &world->dem).bridged + liquid_at_walls(world);
-}
-READ(bridges, (double)gn_bridges_sum(&world->ctx, &world->dem).bridges)
-READ(bridge_liquid, liquid_in_bridges(world))
-READ(liquid, liquid_in_bridges(world) + gn_bridges_sum(&world->ctx, &world->dem).films)
-
 #define SCALAR_UNLESS(absent, when, instant, name, unit, read, text)                               \
     { name, unit, text, GN_SCALAR, instant, &when, read, absent }
 #define SCALAR(when, instant, name, unit, read, text)                                              \
@@ -415,26 +372,6 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a free particle over the mean force of loaded contacts, walls "
            "included; if larger, that of elements or free bodies; at most 1000; 0: none"),
-    SCALAR(porous, GN_BEFORE_STEP, "porosity", "1", read_porosity,
-           "1 - volume of the particles (overlaps count twice) over that of output.structure, or "
-           "over that to which stress refers"),
-    SCALAR(of_grains, GN_AFTER_STEP, "coordination", "1", read_coordination,
-           "mean number of contacts of a particle with others that carry a force or are intact "
-           "bonds; of the particles in output.structure"),
-    {"fabric", "1", "mean of n_a n_b over these contacts, n their normals; its trace is 1",
-     GN_TENSOR, GN_AFTER_STEP, &of_grains, read_fabric, NULL},
-    SCALAR(of_grains, GN_AFTER_STEP, "anisotropy", "1", read_anisotropy,
-           "largest principal value of the fabric minus the smallest: 0 without a preferred "
-           "direction, 1 if all contacts have the same"),
-    {"fabric_direction", "1", "unit vector of the largest principal value of the fabric", GN_VECTOR,
-     GN_AFTER_STEP, &of_grains, read_fabric_direction, NULL},
-    SCALAR(rubbing, GN_AFTER_STEP, "sliding", "1", read_sliding,
-           "share of contacts at their limit of friction in those that are not intact bonds"),
-    SCALAR(moist, GN_AFTER_STEP, "bridges", "1", read_bridges, "liquid bridges between particles"),
-    SCALAR(moist, GN_AFTER_STEP, "bridge_liquid", "m3", read_bridge_liquid,
-           "liquid in bridges, also with walls"),
-    SCALAR(moist, GN_AFTER_STEP, "liquid", "m3", read_liquid,
-           "liquid in bridges and films; constant but for rounding"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
            "number of particles; with couple.convert of the active ones: those of converted "
            "elements and of the zone around them"),
@@ -617,6 +554,7 @@ static const gn_quantity of_motions[] = {
 
 const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {NULL, one, NULL, of_the_model, COUNT(of_the_model), NULL, false},
+    {NULL, one, NULL, gn_grain_quantities, GN_GRAIN_QUANTITIES, NULL, false},
     {"wall", wall_count, wall_name, of_walls, COUNT(of_walls), NULL, false},
     {"body", body_count, body_name, of_bodies, COUNT(of_bodies), "bodies", true},
     {"set", set_count, set_name, of_sets, COUNT(of_sets), NULL, false},

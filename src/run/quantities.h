@@ -45,13 +45,20 @@ typedef struct gn_quantity_group {
                    */
 } gn_quantity_group;
 
-enum { GN_QUANTITY_GROUPS = 10, GN_CUT_QUANTITIES = 8, GN_JOINT_QUANTITIES = 8 };
+enum {
+    GN_QUANTITY_GROUPS = 11,
+    GN_CUT_QUANTITIES = 8,
+    GN_JOINT_QUANTITIES = 8,
+    GN_GRAIN_QUANTITIES = 9
+};
 /* Quantities of a cutting test (quantities_cutting.c). */
 extern const gn_quantity gn_cut_quantities[GN_CUT_QUANTITIES];
 /* Quantities of joints, their number and names (quantities_joints.c). */
 extern const gn_quantity gn_joint_quantities[GN_JOINT_QUANTITIES];
 size_t gn_joint_quantity_count(const gn_world *world);
 const char *gn_joint_quantity_owner(const gn_world *world, size_t k);
+/* Quantities of the packing of particles (quantities_grains.c). */
+extern const gn_quantity gn_grain_quantities[GN_GRAIN_QUANTITIES];
 extern const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS];
 
 bool gn_condition_holds(const gn_condition *when, const gn_world *world, size_t owner);

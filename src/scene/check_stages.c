@@ -376,6 +376,13 @@ static gneiss_status check_damage(const check *section, const gn_scene *before,
                                  "expected a tangential spring of '%s' in this stage too, for the "
                                  "forces of its contacts, found kratio 0",
                                  now->materials[k].name);
+        const gn_material *is = &now->materials[k], *was = &before->materials[k];
+        if (now->cohesion != GN_COHESION_NONE && now->wall_count &&
+            (is->young != was->young || is->poisson != was->poisson))
+            return gn_check_fail(section, "materials",
+                                 "expected unchanged young and poisson of '%s' beside law.cohesion "
+                                 "and walls, found others",
+                                 is->name);
         bool damaged = now->softening != GN_SOFTENING_NONE || now->materials[k].yield_stress[0] > 0;
         if (damaged && !same_bonds(&before->materials[k], &now->materials[k]))
             return gn_check_fail(section, "materials",
