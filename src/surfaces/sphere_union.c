@@ -16,8 +16,9 @@ enum { SECTION = 6, BODY = 10 };
 /* The spheres in units of their extent about a point inside, and storage for one section. */
 typedef struct balls {
     size_t count;
-    double *ball;       /* [count][4] */
-    double *disc;       /* [count][3] x y r of the present section */
+    double *ball; /* [count][4] */
+    double *disc; /* [discs][3] x y r of the spheres that the present section meets */
+    size_t discs;
     double (*cover)[2]; /* [2 count] angles of a circle that other discs cover */
     double *height;     /* [heights] where the pattern changes */
     size_t heights, room;
@@ -62,7 +63,7 @@ static int by_angle(const void *a, const void *b) {
 static bool cover_by(balls *q, size_t i, size_t j, size_t *covers) {
     const double *a = q->disc + 3 * i, *b = q->disc + 3 * j;
     const double x = b[0] - a[0], y = b[1] - a[1], d2 = x * x + y * y, d = sqrt(d2);
-    if (!(b[2] > 0.0) || d >= a[2] + b[2]) return false;
+    if (d >= a[2] + b[2]) return false;
     if (d <= b[2] - a[2]) return d > 0.0 || b[2] > a[2] || j < i;
     if (d <= a[2] - b[2]) return false;
     const double cosine = (d2 + (a[2] - b[2]) * (a[2] + b[2])) / (2.0 * d * a[2]);
@@ -80,7 +81,7 @@ static bool cover_by(balls *q, size_t i, size_t j, size_t *covers) {
 static void add_circle(balls *q, size_t i, double sum[SECTION]) {
     size_t covers = 0;
     double free = 0.0;
-    for (size_t j = 0; j < q->count; j++)
+    for (size_t j = 0; j < q->discs; j++)
         if (j != i && cover_by(q, i, j, &covers)) return;
     qsort(q->cover, covers, sizeof *q->cover, by_angle);
     for (size_t k = 0; k < covers; k++) {
@@ -92,24 +93,40 @@ static void add_circle(balls *q, size_t i, double sum[SECTION]) {
 
 static void measure_section(balls *q, double sum[SECTION]) {
     memset(sum, 0, SECTION * sizeof *sum);
-    for (size_t i = 0; i < q->count; i++)
-        if (q->disc[3 * i + 2] > 0.0) add_circle(q, i, sum);
+    for (size_t i = 0; i < q->discs; i++) add_circle(q, i, sum);
 }
 
 static void cut(balls *q, double z) {
+    q->discs = 0;
     for (size_t k = 0; k < q->count; k++) {
-        const double *b = q->ball + 4 * k, off = z - b[2];
-        q->disc[3 * k] = b[0];
-        q->disc[3 * k + 1] = b[1];
-        q->disc[3 * k + 2] = sqrt(fmax(0.0, (b[3] - off) * (b[3] + off)));
+        const double *b = q->ball + 4 * k, off = z - b[2], r2 = (b[3] - off) * (b[3] + off);
+        if (!(r2 > 0.0)) continue;
+        double *disc = q->disc + 3 * q->discs++;
+        disc[0] = b[0];
+        disc[1] = b[1];
+        disc[2] = sqrt(r2);
     }
 }
 
 /* --- heights where the pattern of arcs changes --- */
 
-static gneiss_status note(balls *q, double z, gneiss_error *error) {
+/* Tells whether a point is within a sphere, clear of rounding, so that it is not on the boundary.
+ */
+static bool is_buried(const balls *q, const double x[3]) {
+    const double clear = 1e-9;
+    for (size_t k = 0; k < q->count; k++) {
+        const double *b = q->ball + 4 * k, d[3] = {x[0] - b[0], x[1] - b[1], x[2] - b[2]},
+                     least = b[3] - clear;
+        if (least > 0.0 && gn_dot3(d, d) < least * least) return true;
+    }
+    return false;
+}
+
+/* Notes the height of a point unless it is buried. */
+static gneiss_status note(balls *q, const double x[3], gneiss_error *error) {
+    if (is_buried(q, x)) return GNEISS_OK;
     GN_TRY(gn_grow(&q->height, q->heights, q->heights + 1, &q->room, "heights", error));
-    q->height[q->heights++] = z;
+    q->height[q->heights++] = x[2];
     return GNEISS_OK;
 }
 
@@ -140,8 +157,11 @@ static gneiss_status note_corners(balls *q, const double centre[3], const double
     const double across = sqrt(fmax(0.0, (radius - along) * (radius + along)));
     for (int k = 0; k < 3; k++) flat[k] /= d;
     gn_cross3(n, flat, up);
-    for (int side = -1; side <= 1; side += 2)
-        GN_TRY(note(q, centre[2] + along * flat[2] + side * across * up[2], error));
+    for (int side = -1; side <= 1; side += 2) {
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = centre[k] + along * flat[k] + side * across * up[k];
+        GN_TRY(note(q, x, error));
+    }
     return GNEISS_OK;
 }
 
@@ -150,17 +170,35 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* Notes the lowest and the highest point of the circle of two spheres; all points of a level circle
+ * have its height. */
+static gneiss_status note_poles(balls *q, const double centre[3], const double n[3], double radius,
+                                gneiss_error *error) {
+    const double flat = sqrt(n[0] * n[0] + n[1] * n[1]), level = 1e-6;
+    if (flat < level) {
+        GN_TRY(gn_grow(&q->height, q->heights, q->heights + 2, &q->room, "heights", error));
+        q->height[q->heights++] = centre[2] - radius * flat;
+        q->height[q->heights++] = centre[2] + radius * flat;
+        return GNEISS_OK;
+    }
+    for (int side = -1; side <= 1; side += 2) {
+        const double by = side * radius / flat;
+        const double x[3] = {centre[0] - by * n[0] * n[2], centre[1] - by * n[1] * n[2],
+                             centre[2] + side * radius * flat};
+        GN_TRY(note(q, x, error));
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status find_heights(balls *q, gneiss_error *error) {
     for (size_t i = 0; i < q->count; i++) {
         const double *a = q->ball + 4 * i;
-        GN_TRY(note(q, a[2] - a[3], error));
-        GN_TRY(note(q, a[2] + a[3], error));
+        GN_TRY(note(q, (const double[3]){a[0], a[1], a[2] - a[3]}, error));
+        GN_TRY(note(q, (const double[3]){a[0], a[1], a[2] + a[3]}, error));
         for (size_t j = i + 1; j < q->count; j++) {
             double centre[3], n[3], radius;
             if (!meet(a, q->ball + 4 * j, centre, n, &radius)) continue;
-            const double up = radius * sqrt(fmax(0.0, 1.0 - n[2] * n[2]));
-            GN_TRY(note(q, centre[2] - up, error));
-            GN_TRY(note(q, centre[2] + up, error));
+            GN_TRY(note_poles(q, centre, n, radius, error));
             for (size_t k = j + 1; k < q->count; k++)
                 GN_TRY(note_corners(q, centre, n, radius, q->ball + 4 * k, error));
         }

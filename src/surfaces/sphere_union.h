@@ -17,7 +17,8 @@ typedef struct gn_sphere_union {
 /* Computes the properties of `count` spheres [count][4] (x y z r, m). Volume, first and second
  * moments are integrals over the height z of those of a union of discs, which are exact sums over
  * the arcs of its boundary (Green's theorem). Between the heights where the pattern of arcs changes
- * (poles of spheres, poles of the circles in which two spheres meet, points on three spheres) the
+ * (poles of spheres, poles of the circles in which two spheres meet, points on three spheres; those
+ * inside another sphere change nothing) the
  * integrand is smooth but for half-integer powers at both ends, which a change of variable removes;
  * Gauss panels are halved until two orders agree to 1e-13. GNEISS_ERROR_MEMORY. */
 gneiss_status gn_sphere_union_measure(const double *sphere, size_t count, int dimension,
