@@ -372,7 +372,8 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
         double share = 0.0;
         gn_servo_row mean = active ? look_at_servo(run, wall, axis, &share) : (gn_servo_row){0};
         if (!is_off(mean) && share <= share_limit) continue;
-        pulls = pulls || (wall >= 0 && mean.wanted < 0.0);
+        pulls =
+            pulls || (wall >= 0 && mean.wanted < 0.0 && !(run->world.ctx.effects & GN_FX_COHESION));
         if (count++ >= SERVOS_NAMED) continue;
         if (used) used += (size_t)snprintf(text + used, sizeof text - used, "; ");
         used += tell_of_servo(run, wall, axis, mean, share, text + used, sizeof text - used);
