@@ -92,6 +92,9 @@ def porosity_needs_a_volume_that_sources_do_not_change(folder):
         run(write_scene(here, scene), here)
         assert ("porosity" in history(here)) == known, (sources, structure)
         assert "coordination" in history(here)
+    far = gneiss("run", write_scene(folder, heap("jkr")), "--out", os.path.join(folder, "far"), "--quiet", "--set",
+                 "output.structure={min: [1, 1, 1], max: [2, 2, 2]}")
+    expect(far, 0, "structure_empty: at the end no particle")
 
 
 @fact

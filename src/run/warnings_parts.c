@@ -8,6 +8,7 @@
 #include "scene/stages.h"
 #include "solids/dormant_places.h"
 #include "solids/element_walls.h"
+#include "world/structure.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -293,6 +294,15 @@ void gn_warn_of_membrane(const gn_run *run, gn_warnings *list) {
     warn_of_ramp(run, list);
     warn_of_stretch(run, list);
     warn_of_work(run, list);
+}
+
+void gn_warn_of_structure(const gn_run *run, gn_warnings *list) {
+    const gn_scene *s = &run->world.ctx.scene;
+    if (!run->finished || !s->has_structure || !s->has_specimen) return;
+    if (gn_structure_porosity(&run->world) < 1.0) return;
+    gn_warn(list, "structure_empty",
+            "at the end no particle is in the box output.structure, so that the porosity is 1 and "
+            "the other columns of structure are 0");
 }
 
 /* ---- warnings about servos that miss their targets ---- */
