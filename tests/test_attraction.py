@@ -79,5 +79,59 @@ def wet_grains_may_not_be_removed_and_joints_do_not_attract(folder):
     expect(gneiss("check", scene), 2, r"law\.cohesion: expected none beside it, found joints")
 
 
+@fact
+def porosity_needs_a_volume_that_sources_do_not_change(folder):
+    inflow = {"name": "rain", "box": {"size": [8e-3, 8e-3, 8e-3]}, "origin": [0, 0, 20e-3], "rate": 1000, "mean_radius": 1e-3}
+    for sources, structure, known in (([], None, True), ([inflow], None, False),
+                                      ([inflow], {"min": [0, 0, 0], "max": [4e-3, 4e-3, 4e-3]}, True)):
+        scene = heap("jkr", sources=sources)
+        if structure:
+            scene["output"]["structure"] = structure
+        here = os.path.join(folder, f"{len(sources)}{known}")
+        os.mkdir(here)
+        run(write_scene(here, scene), here)
+        assert ("porosity" in history(here)) == known, (sources, structure)
+        assert "coordination" in history(here)
+    far = gneiss("run", write_scene(folder, heap("jkr")), "--out", os.path.join(folder, "far"), "--quiet", "--set",
+                 "output.structure={min: [1, 1, 1], max: [2, 2, 2]}")
+    expect(far, 0, "structure_empty: at the end no particle")
+
+
+@fact
+def messages_name_the_key_that_is_wrong(folder):
+    for law, value, said in (("jkr", "1e-300", r"adhesion: expected 0 or at least 1e-12 J/m2"), ("dmt", "-1", r"adhesion: .*-1"),
+                             ("jkr", "abc", r"adhesion: .*abc")):
+        done = gneiss("check", write_scene(folder, heap(law)), "--set", f"materials.grain.adhesion={value}")
+        expect(done, 2, said)
+        assert "with an adhesion above 0" not in done.stderr, done.stderr
+    scene = heap("liquid")
+    scene["materials"][0]["adhesion"] = 0.1
+    expect(gneiss("check", write_scene(folder, scene)), 0, "law.cohesion is neither jkr nor dmt")
+    assert "min: [0, 0, 0], max: [23 mm" in gneiss("explain", "output.structure").stdout
+
+
+@fact
+def sides_that_hold_the_mean_have_one_target(folder):
+    side = {"stress": 1e5, "stress_of": "mean", "max_rate": 10}
+    scene = {"specimen": {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [3, 3, 3], "origin": [0, 0, 0]}, "group": 0},
+             "materials": [{"name": "grain", "density": 2500, "young": 1e7, "poisson": 0.2}], "law": {"stiffness": "hertz"},
+             "periodic": {"min": [0, 0, 0], "max": [6e-3, 6e-3, 6e-3], "x": side, "y": dict(side), "z": {"rate": -1}},
+             "time": {"end": 1e-3}}
+    expect(gneiss("check", write_scene(folder, scene)), 0)
+    scene["periodic"]["y"]["stress"] = 2e5
+    expect(gneiss("check", write_scene(folder, scene)), 2, r"periodic\.y\.stress: expected the stress of side x")
+    del scene["periodic"]
+    for a, name in enumerate("xyz"):
+        for sign in (1, -1):
+            wall = {"name": name + "-+"[sign < 0], "normal": [sign * (a == b) for b in range(3)],
+                    "point": [0 if sign > 0 or a != b else 6e-3 for b in range(3)]}
+            if sign < 0 and a < 2:
+                wall["servo"] = {"stress": (1 + a) * 1e5, "stress_of": "mean", "max_velocity": 0.1}
+            scene.setdefault("walls", []).append(wall)
+    expect(gneiss("check", write_scene(folder, scene)), 2, r"servo\.stress: expected the stress of wall 'x\+'")
+    scene["walls"][3]["servo"]["stress"] = 1e5
+    expect(gneiss("check", write_scene(folder, scene)), 0)
+
+
 if __name__ == "__main__":
     main()

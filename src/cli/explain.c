@@ -55,6 +55,8 @@ static void write_vector(const gn_key *key, int dimension, char *text, size_t si
     const bool plane = dimension == 2 && key->shape_dimension != 3;
     if (key->type == GN_KEY_CELLS)
         write_whole(key, one, sizeof one);
+    else if (strcmp(key->name, "min") == 0) /* beside the example of max, which is above 0 */
+        snprintf(one, sizeof one, "0");
     else
         write_quantity(key, one, sizeof one);
     if (plane && key->type == GN_KEY_SPIN)

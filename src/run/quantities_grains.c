@@ -18,7 +18,7 @@ HOLDS(has_liquid,
       world->ctx.effects &GN_FX_COHESION && world->ctx.scene.cohesion == GN_COHESION_LIQUID)
 
 static const gn_condition of_grains = {"with particles", has_grains, NULL},
-                          porous = {"with particles in a known volume", has_volume, NULL},
+                          porous = {"with output.structure, or without sources", has_volume, NULL},
                           rubbing = {"with friction between particles", has_friction, NULL},
                           moist = {"with law.cohesion liquid", has_liquid, NULL};
 

@@ -87,6 +87,7 @@ static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool o
         .by_ends = by_ends(world),
         .by_mean = gn_section_by_mean(&world->ctx, &world->dem, &world->solids, &world->section),
         .under_gravity = gn_scene_has_gravity(&world->ctx.scene),
+        .attracts = world->ctx.effects & GN_FX_COHESION,
         .conversion_halted = !over && world->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,

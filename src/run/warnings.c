@@ -527,6 +527,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_halt(run, list);
     warn_of_stages(run, list);
     gn_warn_of_servos(run, list);
+    gn_warn_of_structure(run, list);
     gn_warn_of_membrane(run, list);
     warn_of_control(run, list);
     warn_of_bodies(run, list);

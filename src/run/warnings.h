@@ -13,6 +13,7 @@ gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_e
 
 /* Warnings about servos of walls and sides. */
 void gn_warn_of_servos(const gn_run *run, gn_warnings *list);
+void gn_warn_of_structure(const gn_run *run, gn_warnings *list);
 
 /* Warnings about a cutting test. */
 void gn_warn_of_cut(const gn_run *run, gn_warnings *list);

@@ -8,6 +8,7 @@
 #include "scene/stages.h"
 #include "solids/dormant_places.h"
 #include "solids/element_walls.h"
+#include "world/structure.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -295,6 +296,15 @@ void gn_warn_of_membrane(const gn_run *run, gn_warnings *list) {
     warn_of_work(run, list);
 }
 
+void gn_warn_of_structure(const gn_run *run, gn_warnings *list) {
+    const gn_scene *s = &run->world.ctx.scene;
+    if (!run->finished || !s->has_structure || !s->has_specimen) return;
+    if (gn_structure_porosity(&run->world) < 1.0) return;
+    gn_warn(list, "structure_empty",
+            "at the end no particle is in the box output.structure, so that the porosity is 1 and "
+            "the other columns of structure are 0");
+}
+
 /* ---- warnings about servos that miss their targets ---- */
 
 /* Returns the means of force and target over `count` rows up to `last`. */
@@ -372,7 +382,8 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
         double share = 0.0;
         gn_servo_row mean = active ? look_at_servo(run, wall, axis, &share) : (gn_servo_row){0};
         if (!is_off(mean) && share <= share_limit) continue;
-        pulls = pulls || (wall >= 0 && mean.wanted < 0.0);
+        pulls =
+            pulls || (wall >= 0 && mean.wanted < 0.0 && !(run->world.ctx.effects & GN_FX_COHESION));
         if (count++ >= SERVOS_NAMED) continue;
         if (used) used += (size_t)snprintf(text + used, sizeof text - used, "; ");
         used += tell_of_servo(run, wall, axis, mean, share, text + used, sizeof text - used);

@@ -545,6 +545,13 @@ static gneiss_status check_mean(const check *section, const gn_scene *scene, siz
         }
     if (!scene->walls[index].servo.stress.count)
         return gn_check_fail(section, "servo.stress_of", "expected stress beside it, found force");
+    for (size_t k = 0; k < index; k++)
+        if (scene->walls[k].servo.of_mean &&
+            !gn_targets_agree(&scene->walls[k].servo.stress, &scene->walls[index].servo.stress))
+            return gn_check_fail(section, "servo.stress",
+                                 "expected the stress of wall '%s', because both hold the mean "
+                                 "(stress_of), found another",
+                                 scene->walls[k].name);
     if (belongs && closed) return GNEISS_OK;
     return gn_check_fail(section, "servo.stress_of",
                          "expected a wall of a box: two walls across every axis that face each "

@@ -68,6 +68,8 @@ gneiss_status gn_check_box(const check *section, const gn_scene *scene, const ch
 
 /* Checks the motion of the sides of a periodic box (check_law.c). */
 gneiss_status gn_check_box_sides(const check *section, const gn_scene *scene);
+/* Tells whether two tables have the same values. */
+bool gn_targets_agree(const gn_table *first, const gn_table *second);
 
 /* Checks that no motion is prescribed out of the plane of a 2D scene. */
 gneiss_status gn_check_plane_motion(const check *section, const gn_scene *scene,

@@ -51,6 +51,7 @@ static bool by_radius(const gn_scene *scene) {
 
 static const char no_bonds[] = "no bonds are formed";
 static const char other_law[] = "this law.stiffness does not read it";
+static const char other_cohesion[] = "law.cohesion is neither jkr nor dmt";
 static const char other_softening[] = "this law.softening does not read it";
 
 /* A key of a material and the reason why it is not read; NULL: it is read. `limits`: strengths are
@@ -102,7 +103,8 @@ static const material_row material_rows[] = {
 };
 
 static const char *unread_by_material(const gn_scene *scene, const material_row *row) {
-    if (row->read_by_law && !row->read_by_law(scene)) return other_law;
+    if (row->read_by_law && !row->read_by_law(scene))
+        return row->read_by_law == gn_scene_adheres ? other_cohesion : other_law;
     if (row->of_bonds && !bonded(scene)) return no_bonds;
     if (row->softening >= 0 && (int64_t)scene->softening != row->softening) return other_softening;
     return NULL;

@@ -24,6 +24,15 @@ gneiss_status gn_check_scatter(const check *section, const char *key, const gn_s
     return GNEISS_OK;
 }
 
+/* Values below it, where quotients of the law would leave the range of numbers, mean nothing. */
+static const double least_adhesion = 1e-12;
+
+static gneiss_status check_adhesion(const check *section, double adhesion) {
+    if (!(adhesion > 0.0 && adhesion < least_adhesion)) return GNEISS_OK;
+    return gn_check_fail(section, "adhesion", "expected 0 or at least %g J/m2, found %g",
+                         least_adhesion, adhesion);
+}
+
 /* Returns the first key that this law.stiffness does not read; NULL: none. */
 static const char *unread(const gn_scene *scene, const gn_contact_def *contact) {
     bool area = gn_scene_by_area(scene), uniform = scene->stiffness == GN_STIFFNESS_UNIFORM;
@@ -201,13 +210,15 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
                              "expected 0 (no tangential spring) or at least 1e-6, found %g",
                              contact->kratio);
     GN_TRY(check_shear_of_pair(section, scene, contact));
+    GN_TRY(check_adhesion(section, contact->adhesion));
     if (gn_check_is_valid(section, "law.stiffness"))
         GN_TRY(check_grip_of_pair(section, scene, contact, first, b));
     const char *key = gn_check_is_valid(section, "law.stiffness") ? unread(scene, contact) : NULL;
     if (!key) return GNEISS_OK;
-    return gn_check_fail(section, key,
-                         "expected a value that this law.stiffness and law.softening read, found "
-                         "one that they ignore");
+    return gn_check_fail(section, key, "expected a value that this law.%s, found one that %s",
+                         strcmp(key, "adhesion") ? "stiffness and law.softening read"
+                                                 : "cohesion reads",
+                         strcmp(key, "adhesion") ? "they ignore" : "it ignores");
 }
 
 gneiss_status gn_check_gamma(const check *section, const gn_scene *scene) {
@@ -357,6 +368,7 @@ gneiss_status gn_check_moments(const check *section, const gn_scene *scene) {
 
 gneiss_status gn_check_hertz_material(const check *section, const gn_material *material) {
     GN_TRY(gn_check_required(section, material->young, "young", "by law.stiffness hertz"));
+    GN_TRY(check_adhesion(section, material->adhesion));
     return gn_check_required(section, material->poisson + 1.0, "poisson", "by law.stiffness hertz");
 }
 
@@ -425,7 +437,8 @@ static gneiss_status check_cohesion(const check *section, const gn_scene *scene)
                                  "by cohesion liquid"));
         GN_TRY(gn_check_required(section, scene->liquid_content, "law.liquid_content",
                                  "by cohesion liquid"));
-    } else if (!any_adheres(scene)) {
+    } else if (gn_check_is_valid(section, "materials") && gn_check_is_valid(section, "contacts") &&
+               !any_adheres(scene)) {
         return gn_check_fail(section, "law.cohesion",
                              "expected a material or a pair with an adhesion above 0, found none");
     }
@@ -560,6 +573,28 @@ static gneiss_status check_idle(const check *section, const gn_box_side *side, c
                          side->rate.count ? "a rate" : "none");
 }
 
+bool gn_targets_agree(const gn_table *first, const gn_table *second) {
+    bool agree = first->count == second->count;
+    for (size_t k = 0; agree && k < first->count; k++)
+        agree = first->value[k] == second->value[k] &&
+                (first->count == 1 || first->time[k] == second->time[k]);
+    return agree;
+}
+
+/* Checks that sides which hold the mean stress have one target. */
+static gneiss_status check_means(const check *section, const gn_scene *scene, int axis) {
+    const gn_box_side *box = scene->box;
+    char key[48];
+    snprintf(key, sizeof key, "periodic.%c.stress", "xyz"[axis]);
+    for (int b = 0; box[axis].of_mean && b < axis; b++)
+        if (box[b].of_mean && !gn_targets_agree(&box[axis].stress, &box[b].stress))
+            return gn_check_fail(section, key,
+                                 "expected the stress of side %c, because both hold the mean "
+                                 "(stress_of), found another",
+                                 "xyz"[b]);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_check_box_sides(const check *section, const gn_scene *scene) {
     GN_TRY(check_corners(section, scene));
     for (int a = 0; a < 3; a++) {
@@ -575,6 +610,7 @@ gneiss_status gn_check_box_sides(const check *section, const gn_scene *scene) {
             return gn_check_fail(section, key, "expected stress or rate, found both");
         if (side->stress.count && !(side->max_rate > 0))
             return gn_check_fail(section, more, "required beside stress, but not given");
+        GN_TRY(check_means(section, scene, a));
     }
     return gn_scene_box_moves(scene) ? check_company(section, scene) : GNEISS_OK;
 }

@@ -110,9 +110,8 @@ void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const cha
                             double *value, gn_readings *readings);
 /* Reads the slope of stress over strain in the elastic rows. */
 void gn_read_slope(const gn_curves *curves, gn_reading which, double *value, gn_readings *readings);
-/* An angle of friction follows from one test only if the specimen has no bonds, that is no
- * cohesion.
- */
+/* An angle of friction follows from one test only if the specimen has no cohesion, that is neither
+ * bonds nor contacts that attract each other. */
 void gn_need_no_cohesion(const gn_curves *curves, gn_readings *readings);
 void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings);
 /* Returns the column of a tensor's component along an axis; NULL: there is none. */

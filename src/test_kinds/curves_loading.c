@@ -41,10 +41,12 @@ void gn_read_slope(const gn_curves *curves, gn_reading which, double *value,
 }
 
 void gn_need_no_cohesion(const gn_curves *curves, gn_readings *readings) {
-    if (!isnan(curves->tested->fragments))
+    const bool bonds = !isnan(curves->tested->fragments);
+    if (bonds || curves->tested->attracts)
         gn_reading_absent(readings, GN_READING_friction_angle,
-                          "bonds have cohesion: an angle needs tests at several confinements "
-                          "(test.confinement, gneiss sweep)");
+                          "%s: an angle needs tests at several confinements (test.confinement, "
+                          "gneiss sweep)",
+                          bonds ? "bonds have cohesion" : "the contacts attract each other");
 }
 
 /* --- fracture energy --- */

@@ -187,6 +187,7 @@ typedef struct gn_tested {
     bool one_sided;         /* by definition, the force of one end is that of the other */
     bool notched;           /* a beam with a notch */
     bool under_gravity;     /* gravity acts on the specimen */
+    bool attracts;          /* its contacts attract each other without bonds */
     bool conversion_halted; /* conversion ended the run */
     double section;         /* m2, area of the section that breaks */
     double fragments, largest_fragment; /* computed elsewhere; NaN: there are no bonds */

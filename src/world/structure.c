@@ -23,7 +23,8 @@ gn_structure_box gn_structure_box_of(const gn_scene *scene) {
 
 bool gn_structure_has_volume(const gn_world *world) {
     const gn_scene *s = &world->ctx.scene;
-    return s->has_structure || s->specimen_given || world->ctx.effects & GN_FX_PERIODIC;
+    const bool whole = world->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(s);
+    return s->has_structure || whole || (s->specimen_given && !s->source_count);
 }
 
 /* Returns the volume of a particle and of its periodic images in the box. */

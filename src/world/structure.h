@@ -12,8 +12,8 @@
 /* Returns the box of the scene, without limits if there is none, marked as used. */
 gn_structure_box gn_structure_box_of(const gn_scene *scene);
 
-/* Tells whether the volume is known to which the porosity refers: particles of sources alone have
- * none without a box. */
+/* Tells whether the volume is known to which the porosity refers: with sources there is
+ * none without a box or periodic sides all round. */
 bool gn_structure_has_volume(const gn_world *world);
 
 /* Returns 1 - volume of the particles over that of the box, or over that to which the mean stress
