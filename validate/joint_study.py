@@ -13,7 +13,7 @@ import study
 
 PLANE = "scenes/joint-plane.yaml"
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
-DIPS = {2e6: (0, 20, 40, 50, 60), 0: (40, 50, 60)}  # degrees, by cohesion; steeper planes meet the platens
+DIPS = {2e6: (0, 20, 40, 50, 60)}  # degrees, by cohesion; steeper planes meet the platens
 SEEDS = (1, 2, 3)
 SIGMA, FRICTION = 2e6, math.radians(30)
 QUICK = "--quick" in sys.argv
