@@ -1,6 +1,8 @@
 """Joints in packings: Coulomb's threshold, direct shear, places from files, refusals. Speaks TAP."""
+import json
 import math
 import os
+import re
 import sys
 
 import h5py
@@ -183,6 +185,91 @@ def joints_come_from_traces_files_and_surfaces(folder):
     assert summary(os.path.join(folder, "space"))["steps"] > 0
 
 
+# --- what a packing resolves ---
+
+
+def told(folder, joints, **more):
+    """The warnings of a run by name, and the output of `gneiss check`."""
+    scene = packed(None, **more)
+    scene["joints"] = [{"normal_stiffness": 1e11, "shear_stiffness": 1e11, "friction": 0.5, **joint} for joint in joints]
+    scene["time"]["end"] = 1e-5
+    path, out = write_scene(folder, scene), os.path.join(folder, "told")
+    run(path, out)
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        warnings = {w["name"]: w["text"] for w in json.load(file)["warnings"]}
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        assert "joints" in np.char.decode(file.attrs["effects"]).item().split()
+    text = gneiss("check", path).stdout
+    assert "+ joints " in gneiss("plan", path).stdout
+    return warnings, text
+
+
+@fact
+def joints_closer_than_particles_are_warned_of(folder):
+    apart = [{"name": "a", "point": [0, 0.006], "normal": [0, 1]}, {"name": "b", "point": [0, 0.018], "normal": [0, 1]}]
+    warnings, text = told(folder, apart)
+    assert not {"joints_close", "joints_area"} & set(warnings) and "warning:" not in text, text
+    assert len(re.findall(r"joint +'[ab]': [1-9]\d* contacts, area 0.06 m2 of 0.06 m2", text)) == 2, text
+    apart[1]["point"] = [0, 0.006 + 1e-5]
+    warnings, text = told(folder, apart)
+    few, most = map(int, re.match(r"(\d+) of (\d+) contacts", warnings["joints_close"]).groups())
+    assert 0.9 * most < few <= most and warnings["joints_close"] in text, warnings
+    # Segments of one surface do not count as several joints.
+    warnings, text = told(folder, [{"name": "line", "trace": [[-0.001 + 0.001 * k, 0.012] for k in range(63)]}])
+    assert "joints_close" not in warnings, warnings
+
+
+@fact
+def area_that_no_contact_crosses_is_warned_of(folder):
+    """Lines of a tenth of the particles, of which most lie between contacts."""
+    small = {"name": "net", "dip": 0, "radius": 2e-4, "network": {"intensity": 20}}
+    warnings, text = told(folder, [small])
+    reached, wanted, less = map(float, re.search(r"'net' (\S+) m2 of (\S+) m2 \(-(\d+) %\)",
+                                                 warnings["joints_area"]).groups())
+    assert abs(wanted / (20 * WIDTH * HEIGHT) - 1) < 0.02 and abs(1 - reached / wanted - less / 100) < 0.006
+    assert abs(history(os.path.join(folder, "told"))["joint_net_area"][0] / reached - 1) < 1e-3
+    assert warnings["joints_area"] in text and less > 5
+
+
+# --- a joint alone fails ---
+
+
+@fact
+def a_break_of_a_joint_is_a_failure_of_the_specimen(folder):
+    """No bond can break; the joint at 60 degrees to the load does."""
+    height = 0.05
+    scene = {
+        "dimension": 2,
+        "specimen": {"rectangle": {"width": 0.025, "height": height}, "particles": 200},
+        "materials": [{"name": "rock", "density": 2600, "contact_modulus": 2e10, "kratio": 2, "friction": 0.5,
+                       "tensile_strength": 1e15, "shear_strength": 1e15}],
+        "law": {"stiffness": "harmonic"},
+        "bonds": {"interaction_range": 0.05},
+        "joints": [{"name": "plane", "point": [0.0125, height / 2], "dip": "60 deg", "normal_stiffness": 2e11,
+                    "shear_stiffness": 1e11, "friction": 0.3, "cohesion": 2e6, "tensile_strength": 1e6}],
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+        "walls": [{"name": "bottom", "point": [0, 0], "normal": [0, 1], "stiffness": 5e10, "passive": True,
+                   "motion": {"vy": 0.05}},
+                  {"name": "top", "point": [0, height], "normal": [0, -1], "stiffness": 5e10, "passive": True,
+                   "motion": {"vy": -0.05}}],
+        "test": {"kind": "compression", "axis": "y", "lower": "bottom", "upper": "top", "length": height,
+                 "diameter": 0.025},
+        "time": {"end": 5e-3, "stop": {"peak_drop": 0.5}},
+        "output": {"history_rows": 1000, "snapshots": 0},
+        "run": {"threads": 1}}
+    out = os.path.join(folder, "weak")
+    run(write_scene(folder, scene), out)
+    h, end = history(out), summary(out)
+    assert h["broken_tension"][-1] + h["broken_shear"][-1] == 0
+    assert h["broken_joints"][0] == 0 and h["broken_joints"][-1] >= 5
+    assert "stress fell by 0.5 of its peak" in end["stop_reason"], end["stop_reason"]
+    peak = end["readings"]["peak_stress"]
+    assert abs(peak / h["stress"].max() - 1) < 1e-9, peak
+    # Coulomb: 2 c/(sin 2 beta - mu (1 + cos 2 beta)), with beta the dip.
+    turn = math.radians(120)
+    assert abs(peak / (4e6 / (math.sin(turn) - 0.3 * (1 + math.cos(turn)))) - 1) < 0.1, peak
+
+
 @fact
 def wrong_joints_are_refused_with_their_place(folder):
     good = {"normal_stiffness": 1e11, "shear_stiffness": 1e11}
@@ -193,13 +280,68 @@ def wrong_joints_are_refused_with_their_place(folder):
              ({**good, "point": [0, 1]}, {}, "expected a joint that contacts between particles cross"),
              (good, {"run": {"precision": "mixed"}}, "expected a scene without run.precision: mixed"),
              ({**good, "network": {"intensity": 10}}, {}, "expected one of point"),
-             ({"normal_stiffness": 1e11}, {}, "shear_stiffness")]
+             ({"normal_stiffness": 1e11}, {}, "shear_stiffness"),
+             ({**good, "friction": 0.3, "dilation": 0.31}, {}, r"joints\[0\].dilation: expected at most friction, 0.3"),
+             ({**good, "dilation": 0.01}, {}, r"scene.yaml:\d+:\d+: joints\[0\].dilation: expected at most friction, 0,")]
     for joint, more, words in cases:
         expect(gneiss("run", write_scene(folder, packed(joint, **more)), "--out", os.path.join(folder, "o")), 2, words)
     scene = packed(None)
     scene["joints"] = [{"name": "file", "discs": "wrong.csv", **good}]
     expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, "o")), 2,
            r"wrong.csv:2:14: expected 4 numbers")
+
+
+@fact
+def polygons_that_cross_themselves_are_refused(folder):
+    square = [[-0.004, -0.004], [0.004, -0.004], [0.004, 0.004], [-0.004, 0.004]]
+    slit = [[-0.004, -0.004], [0.004, -0.004], [0.004, 0.004], [0, 0.004], [0, 0], [0, 0.004], [-0.004, 0.004]]
+    cases = [(square, None), ([*square, square[0]], None), (slit, None),
+             ([square[k] for k in (0, 2, 1, 3)], r"scene.yaml:\d+:\d+: joints\[0\].polygon: .*sides 1 and 3"),
+             ([[-0.004, -0.004], [0.004, 0], [0.004, -0.004], [-0.004, 0.004]], "sides 1 and 3"),
+             # A corner on another side.
+             ([*square[:3], [0, -0.004]], "sides 1 and 3")]
+    solid = {**packed(None), "dimension": 3}
+    solid["specimen"] = {"box": {"size": [0.01, 0.01, 0.01]}, "particles": 200}
+    del solid["sets"]
+    for polygon, words in cases:
+        solid["joints"] = [{"name": "p", "point": [0.005, 0.005, 0.005], "normal": [0, 0, 1], "polygon": polygon,
+                            "normal_stiffness": 1e11, "shear_stiffness": 1e11}]
+        done = gneiss("check", write_scene(folder, solid))
+        if words:
+            expect(done, 2, words)
+        else:
+            assert done.returncode == 0, done.stderr
+
+
+@fact
+def what_knows_no_joints_refuses_them(folder):
+    joint = {"normal_stiffness": 1e11, "shear_stiffness": 1e11, "friction": 0.5}
+    scene = packed(joint)
+    scene["time"]["end"] = 1e-5
+    path = write_scene(folder, scene, "jointed.yaml")
+    expect(gneiss("stiffness", path), 2, "found joints")
+    expect(gneiss("plan", path, "--error", "5%"), 2, "no plan: the errors of joints are not known")
+    run(path, os.path.join(folder, "jointed"))
+    later = packed(None)
+    later["specimen"] = {"from": "jointed"}
+    expect(gneiss("check", write_scene(folder, later, "later.yaml")), 2, "expected a run without joints")
+
+
+@fact
+def keys_of_joints_without_effect_are_noted(folder):
+    stiff = {"normal_stiffness": 1e11, "shear_stiffness": 1e11, "friction": 0.5}
+    cases = [({"dip": "10 deg", "dip_direction": "20 deg"}, "dip_direction"), ({"bond_friction": 0.7}, "bond_friction"),
+             ({"dilation_end": 1e-4}, "dilation_end")]
+    idle = r"joints\[0\]\.{}: it changes nothing here"
+    for keys, key in cases:
+        scene = packed({**stiff, **keys})
+        if "dip" in keys:
+            del scene["joints"][0]["normal"]
+        done = gneiss("check", write_scene(folder, scene))
+        assert done.returncode == 0 and re.search(idle.format(key), done.stderr), done.stderr
+    done = gneiss("check", write_scene(folder, packed({**stiff, "cohesion": 1e6, "bond_friction": 0.7, "dilation": 0.1,
+                                                       "dilation_end": 1e-4})))
+    assert done.returncode == 0 and "changes nothing" not in done.stderr, done.stderr
 
 
 if __name__ == "__main__":

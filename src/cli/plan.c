@@ -647,6 +647,7 @@ static gneiss_status check_particles(const gn_world *world, int *warnings, gneis
         (*warnings)++;
     }
     print_bond_numbers(world, warnings);
+    gn_print_joint_check(world, warnings);
     GN_TRY(gn_print_law(world, warnings, error));
     print_walls(world, warnings);
     return GNEISS_OK;

@@ -322,6 +322,9 @@ gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world,
                         .any_particles = options->any_particles,
                         .reading = gn_planned_reading(options, &world->ctx.scene)};
     GN_FREED gn_plan *plan = NULL;
+    if (world->ctx.scene.joint_count)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: --error: no plan: the errors of joints are not known", options->target);
     GN_TRY(gn_new(&plan, 1, "a plan", error));
     GN_TRY(gn_plan_make(world, &wanted, setup, plan, error));
     if (plan->absent)

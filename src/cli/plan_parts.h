@@ -36,4 +36,7 @@ gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *e
  * first lists of neighbours. */
 void gn_print_idle(const gn_world *world);
 
+/* Prints contacts and area of each joint, and doubts about them. */
+void gn_print_joint_check(const gn_world *world, int *warnings);
+
 #endif

@@ -77,6 +77,7 @@ static gneiss_status read_strain(const gn_options *options, double *strain, gnei
 static gneiss_status check_scene(const gn_options *options, const gn_scene *scene,
                                  gneiss_error *error) {
     const char *found = scene->has_elements                                    ? "finite elements"
+                        : scene->joint_count                                   ? "joints"
                         : !scene->has_specimen || scene->bonds != GN_SWITCH_ON ? "no bonds"
                                                                                : NULL;
     if (!found) return GNEISS_OK;

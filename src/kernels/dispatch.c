@@ -153,6 +153,7 @@ void gn_motion_variant_name(unsigned variant, char *name, size_t size) {
 }
 
 gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
+    effects &= ~(gn_effects)GN_FX_JOINTS;
     if (!bonds) {
         effects &= ~(gn_effects)GN_FX_BONDS;
 #define X(name, effect, lists)                                                                     \

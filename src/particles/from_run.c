@@ -213,6 +213,19 @@ static gneiss_status read_packing(const gn_scene *scene, source *s, gn_from_run 
     return take_spheres(s, from, error);
 }
 
+/* Refuses a run with joints: its contacts across joints, with their breaks, gaps and slips, are not
+ * taken over. */
+static gneiss_status check_no_joints(const source *s, gneiss_error *error) {
+    char *effects = NULL;
+    GN_TRY(gn_h5_get_attribute_text(s->file, "/", "effects", &effects, error));
+    const bool joints = strstr(effects, "joints") != NULL;
+    free(effects);
+    if (!joints) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected a run without joints, whose state is not taken over, found one with "
+                   "them");
+}
+
 static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *from,
                               gneiss_error *error) {
     int64_t finished = 0;
@@ -226,6 +239,7 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected the results of a run with particles, found none of them");
     GN_TRY(check_dimension(scene, s, "run", error));
+    GN_TRY(check_no_joints(s, error));
     GN_TRY(number(s, from, error));
     GN_TRY(check_free(s, error));
     GN_TRY(take_spheres(s, from, error));

@@ -309,3 +309,18 @@ int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, gn_joint_shift
     }
     return found;
 }
+
+bool gn_joint_between_several(const gn_dem *dem, int32_t i, int32_t j) {
+    const gn_joint_faces *f = dem->joint_faces;
+    const int32_t id = dem->particles.id[i];
+    const int dimension = dem->particles.soa.effects & GN_FX_SPACE ? 3 : 2;
+    const ends e = ends_of(dem, i, j);
+    int32_t patch = -1;
+    for (size_t k = f->first_near[id]; k < f->first_near[id + 1]; k++) {
+        const gn_joint_face *face = &f->face[f->near[k]];
+        if (face->patch == patch || crossing_at(f, face, &e, dimension) < 0.0) continue;
+        if (patch >= 0) return true;
+        patch = face->patch;
+    }
+    return false;
+}

@@ -30,6 +30,8 @@ typedef struct gn_joint_patch {
     double reach; /* distance up to which two particles form a contact across the patch once they
                      have slid, over the sum of their radii */
     double dilation, dilation_end; /* 1, m: of the joint */
+    double contacts, shared; /* that crossed it at the start, and of these those that also crossed
+                                another patch */
 } gn_joint_patch;
 
 struct gn_joint_faces {
@@ -86,6 +88,8 @@ typedef struct gn_joint_shift {
 /* Returns the face that lies between two particles, by their sides at the start and where they are
  * now, and sets *shift; -1: none. */
 int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, gn_joint_shift *shift);
+/* Tells whether faces of more than one patch lie between two particles. */
+bool gn_joint_between_several(const gn_dem *dem, int32_t i, int32_t j);
 /* Returns the opening by dilation after a slip, m. */
 double gn_joint_dilation(const gn_dem *dem, const gn_joint_face *face, double slip);
 /* Returns 1.0 if the normal of a face points from i to j, else -1.0. */

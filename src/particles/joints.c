@@ -132,9 +132,12 @@ static gneiss_status check_crossed(const gn_step_context *ctx, const gn_dem *dem
 static void share_out_areas(const gn_step_context *ctx, gn_dem *dem) {
     gn_contacts *list = &dem->joints.contacts;
     gn_joint_faces *f = dem->joint_faces;
-    for (size_t c = 0; c < list->soa.count; c++)
-        f->patch[f->face[list->joint[c]].patch].share +=
-            weight_of(ctx, dem, list->i[c], list->j[c]);
+    for (size_t c = 0; c < list->soa.count; c++) {
+        gn_joint_patch *patch = &f->patch[f->face[list->joint[c]].patch];
+        patch->share += weight_of(ctx, dem, list->i[c], list->j[c]);
+        patch->contacts += 1.0;
+        patch->shared += gn_joint_between_several(dem, list->i[c], list->j[c]);
+    }
     for (size_t k = 0; k < f->patch_count; k++)
         if (f->patch[k].share > 0.0) f->patch[k].share = f->patch[k].area / f->patch[k].share;
     for (size_t c = 0; c < list->soa.count; c++)

@@ -6,6 +6,7 @@
 #include "frame/parts.h"
 #include "neigh/neigh.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Removes the pairs between which a joint lies. */
@@ -31,5 +32,17 @@ typedef struct gn_joint_reading {
     double gap, slip;     /* m, means over the area: opening, path of sliding */
 } gn_joint_reading;
 gn_joint_reading gn_joint_read(const gn_dem *dem, size_t joint);
+
+/* A joint of a scene at the start. */
+typedef struct gn_joint_start {
+    double wanted, reached;  /* m2 (2D: m x 1 m) in the specimen, and of it where contacts cross */
+    double contacts, shared; /* those that cross it, and of these those that cross another too */
+} gn_joint_start;
+gn_joint_start gn_joint_at_start(const gn_dem *dem, size_t joint);
+
+/* Tells whether joints are closer to each other than particles, or crossed by so few contacts that
+ * a part of their area is missing, and writes a text about it. */
+bool gn_joints_are_close(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
+bool gn_joints_lack_area(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
 
 #endif

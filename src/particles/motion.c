@@ -87,6 +87,8 @@ void gn_dem_moved(const gn_step_context *ctx, gn_dem *dem, const gn_contact_sums
     gn_active_pairs_moved(ctx, dem);
     dem->broken_tension += dem->done.list[GN_LIST_BONDS].broken_tension;
     dem->broken_shear += dem->done.list[GN_LIST_BONDS].broken_shear;
+    dem->broken_joints +=
+        dem->done.list[GN_LIST_JOINTS].broken_tension + dem->done.list[GN_LIST_JOINTS].broken_shear;
     dem->pressed = dem->done.list[GN_LIST_PAIRS].pressed + dem->done.walls.pressed > 0;
     dem->contact_steps += (int64_t)gn_lists_count(dem);
 }

@@ -140,12 +140,18 @@ struct gn_dem {
     uint8_t *loose; /* [ids] 1: not bonded at the start, see collisions.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;
+    int64_t broken_joints; /* contacts across joints that have broken */
     gn_events events;
     gn_flow flow;
     gn_clumps clumps;
     int64_t lost;          /* particles that left the domain */
     int64_t contact_steps; /* number of contacts processed, summed over steps */
 };
+
+/* Returns how many bonds and contacts across joints have broken. */
+static inline int64_t gn_dem_breaks(const gn_dem *dem) {
+    return dem->broken_tension + dem->broken_shear + dem->broken_joints;
+}
 
 /* Sets the kernels and threads that follow from the effects of the world, also of a resumed one. */
 gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);

@@ -23,6 +23,7 @@
 static const gn_piece pieces[] = {
     INTEGER(broken_tension),
     INTEGER(broken_shear),
+    INTEGER(broken_joints),
     INTEGER(bonds_at_start),
     INTEGER(lost),
     INTEGER(ids),

@@ -83,7 +83,7 @@ static const gn_kept_snapshot *candidate(const gn_kept *kept, gn_kept_kind kind)
 
 static bool bonds_hold(const gn_run *run) {
     const gn_dem *d = &run->world.dem;
-    return run->world.ctx.effects & GN_FX_BONDS && d->broken_tension + d->broken_shear == 0;
+    return run->world.ctx.effects & GN_FX_BONDS && gn_dem_breaks(d) == 0;
 }
 
 /* Tells whether the stress begins to fall from the peak, or has grown enough since the last

@@ -38,6 +38,7 @@ HOLDS(has_control, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.h
 HOLDS(has_membrane, world->ctx.effects &GN_FX_MEMBRANE)
 HOLDS(has_specimen, world->ctx.scene.has_specimen)
 HOLDS(has_bonds, world->ctx.effects &GN_FX_BONDS)
+HOLDS(has_joints, world->ctx.scene.joint_count > 0)
 HOLDS(has_ledger, world->ctx.effects &GN_FX_ENERGY)
 HOLDS(is_periodic, world->ctx.effects &GN_FX_PERIODIC)
 HOLDS(has_added_mass, world->ctx.effects &GN_FX_MASS_SCALING)
@@ -85,6 +86,7 @@ static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test
                           central = {"in %s tests of particles", has_specimen, is_disc},
                           staged = {"with stages", has_stages, NULL},
                           bonded = {"with bonds", has_bonds, NULL},
+                          jointed = {"with joints", has_joints, NULL},
                           booked = {"with the energy ledger", has_ledger, NULL},
                           raised = {"with mass scaling", has_added_mass, NULL},
                           boxed = {"in a periodic box", is_periodic, NULL},
@@ -297,6 +299,7 @@ static double bonds_left(const gn_world *world) {
 READ(bonds_intact, (double)world->dem.bonds_at_start - broken(world) - bonds_left(world))
 READ(broken_tension, (double)world->dem.broken_tension)
 READ(broken_shear, (double)world->dem.broken_shear)
+READ(broken_joints, (double)world->dem.broken_joints)
 READ(damage,
      world->dem.bonds_at_start > 0 ? broken(world) / (double)world->dem.bonds_at_start : 0.0)
 
@@ -381,6 +384,8 @@ static const gn_quantity of_the_model[] = {
     SCALAR(bonded, GN_AFTER_STEP, "broken_tension", "1", read_broken_tension,
            "bonds broken in tension"),
     SCALAR(bonded, GN_AFTER_STEP, "broken_shear", "1", read_broken_shear, "bonds broken in shear"),
+    SCALAR(jointed, GN_AFTER_STEP, "broken_joints", "1", read_broken_joints,
+           "contacts across joints that have broken"),
     SCALAR(bonded, GN_AFTER_STEP, "damage", "1", read_damage,
            "broken bonds over bonds at the start"),
 #define X(name, kind, text)                                                                        \

@@ -142,9 +142,9 @@ static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
  * broken bonds. A loss of volume becomes relative to the volume at the start of the stage. */
 static bool counts_from_start(const char *name) {
     static const char *const whole[] = {
-        "strain",    "volumetric_strain", "lateral_strain", "dilation",    "deflection",
-        "opening",   "strain_xx",         "strain_yy",      "strain_zz",   "strain_xy",
-        "strain_yz", "strain_xz",         "broken_tension", "broken_shear"};
+        "strain",    "volumetric_strain", "lateral_strain", "dilation",     "deflection",
+        "opening",   "strain_xx",         "strain_yy",      "strain_zz",    "strain_xy",
+        "strain_yz", "strain_xz",         "broken_tension", "broken_shear", "broken_joints"};
     for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
         if (strcmp(name, whole[k]) == 0) return true;
     return false;
@@ -229,8 +229,8 @@ gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
                               gneiss_error *error) {
     const gn_world *w = &run->world;
     struct gn_run_read *read = run->read;
-    const state now = {w->ctx.step, w->dem.broken_tension + w->dem.broken_shear, w->dem.lost,
-                       run->history.row_count, w->stages.now};
+    const state now = {w->ctx.step, gn_dem_breaks(&w->dem), w->dem.lost, run->history.row_count,
+                       w->stages.now};
     *readings = &read->readings;
     if (read->known && same(&read->of, &now)) return GNEISS_OK;
     read->known = false;

@@ -145,7 +145,7 @@ static void stop_by_kind(gn_run *run, const char *format, double value) {
 }
 
 static int64_t broken(const gn_run *run) {
-    return run->world.dem.broken_tension + run->world.dem.broken_shear;
+    return gn_dem_breaks(&run->world.dem);
 }
 
 /* Tells whether enough bonds have broken to sever a section of the specimen: a tenth of the N^((d -

@@ -175,7 +175,7 @@ typedef struct gn_warning {
     const char *name;
     char text[640]; /* short enough for lists on the stack */
 } gn_warning;
-enum { GN_WARNINGS_MAX = 52 };
+enum { GN_WARNINGS_MAX = 54 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];

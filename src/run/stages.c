@@ -166,8 +166,7 @@ bool gn_run_loaded(const gn_run *run, double peak) {
 
 static bool fell(const gn_run *run, size_t rows, double stress) {
     const gn_dem *d = &run->world.dem;
-    bool counts = run->world.ctx.effects & GN_FX_BONDS ? d->broken_tension + d->broken_shear > 0
-                                                       : rows > ROWS_BEFORE;
+    bool counts = run->world.ctx.effects & GN_FX_BONDS ? gn_dem_breaks(d) > 0 : rows > ROWS_BEFORE;
     double peak = state_of(run)->peak;
     return counts && peak > 0.0 && gn_run_loaded(run, peak) &&
            stress < (1.0 - stage_of(run)->peak_drop) * peak;

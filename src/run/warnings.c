@@ -7,6 +7,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "particles/bonds.h"
+#include "particles/joints.h"
 #include "particles/specimen.h"
 #include "run/run.h"
 #include "run/stages.h"
@@ -511,6 +512,15 @@ static void warn_of_sinks(const gn_run *run, gn_warnings *list) {
     }
 }
 
+static void warn_of_joints(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    char text[GNEISS_MESSAGE_SIZE];
+    if (gn_joints_are_close(&w->ctx, &w->dem, text, sizeof text))
+        gn_warn(list, "joints_close", "%s", text);
+    if (gn_joints_lack_area(&w->ctx, &w->dem, text, sizeof text))
+        gn_warn(list, "joints_area", "%s", text);
+}
+
 gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     *list = (gn_warnings){0};
     warn_of_step(run, list);
@@ -541,6 +551,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_normal(run, list);
     warn_of_sources(run, list);
     warn_of_sinks(run, list);
+    warn_of_joints(run, list);
     warn_of_idle_keys(run, list);
     return gn_warn_of_coupling(run, list, error);
 }

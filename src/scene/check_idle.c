@@ -312,6 +312,18 @@ static void note_sources(const gn_reader *reader, const gn_node *root, const gn_
     }
 }
 
+static void note_joints(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    for (size_t k = 0; k < scene->joint_count; k++) {
+        const gn_joint_def *joint = &scene->joints[k];
+        check c = gn_check_element(reader, root, "joints", k);
+        if (scene->dimension == 2)
+            note(&c, joint, "dip_direction", "the dip of a 2D scene is along x");
+        if (!(joint->cohesion > 0.0) && !(joint->tensile_strength > 0.0))
+            note(&c, joint, "bond_friction", "the joint is broken from the start");
+        if (!(joint->dilation > 0.0)) note(&c, joint, "dilation_end", "there is no dilation");
+    }
+}
+
 /* Adds notes on shapes that no clump has; the rows of a file may name any shape. */
 static void note_clumps(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     const gn_clumps_def *clumps = &scene->clumps;
@@ -339,5 +351,6 @@ void gn_note_idle_keys(const gn_reader *reader, const gn_node *root) {
     note_sets(reader, root, scene);
     note_bodies(reader, root, scene);
     note_sources(reader, root, scene);
+    note_joints(reader, root, scene);
     note_clumps(reader, root, scene);
 }

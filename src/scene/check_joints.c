@@ -66,6 +66,44 @@ static gneiss_status check_edge(const check *section, const gn_joint_def *joint)
     return GNEISS_OK;
 }
 
+/* Returns the sign of the turn from a to b to c: 1 to the left, -1 to the right, 0 straight on. */
+static int turn_of(const double *a, const double *b, const double *c) {
+    const double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    return (area > 0.0) - (area < 0.0);
+}
+
+/* Tells whether the sides a b and c d meet elsewhere than at corners that they share. */
+static bool sides_cross(const double *a, const double *b, const double *c, const double *d) {
+    const int turn[4] = {turn_of(a, b, c), turn_of(a, b, d), turn_of(c, d, a), turn_of(c, d, b)};
+    const int zeros = !turn[0] + !turn[1] + !turn[2] + !turn[3];
+    return turn[0] * turn[1] <= 0 && turn[2] * turn[3] <= 0 && zeros < 2;
+}
+
+/* Refuses a polygon that crosses itself, whose area has no sign. */
+static gneiss_status check_sides(const check *section, const gn_joint_def *joint) {
+    const size_t count = joint->corner_count;
+    const double *x = joint->corners;
+    for (size_t k = 0; k < count; k++)
+        for (size_t l = k + 1; l < count; l++)
+            if (sides_cross(x + 2 * k, x + 2 * ((k + 1) % count), x + 2 * l,
+                            x + 2 * ((l + 1) % count)))
+                return gn_check_fail(section, "polygon",
+                                     "expected sides that do not cross, found that sides %zu and "
+                                     "%zu do",
+                                     k + 1, l + 1);
+    return GNEISS_OK;
+}
+
+/* Refuses more dilation than friction: the work against the pressure, P tan(psi) ds, would exceed
+ * the work of friction, mu P ds, so that a slip would create energy. */
+static gneiss_status check_dilation(const check *section, const gn_joint_def *joint) {
+    if (joint->dilation <= joint->friction) return GNEISS_OK;
+    return gn_check_fail(section, "dilation",
+                         "expected at most friction, %g, without which a slip would create "
+                         "energy, found %g",
+                         joint->friction, joint->dilation);
+}
+
 static gneiss_status check_joint(const check *section, const gn_scene *scene, size_t index) {
     gn_joint_def *joint = &scene->joints[index];
     for (size_t k = 0; k < index; k++)
@@ -73,6 +111,8 @@ static gneiss_status check_joint(const check *section, const gn_scene *scene, si
             gn_check_name(section, strcmp(scene->joints[k].name, joint->name) == 0, joint->name));
     GN_TRY(check_place(section, joint));
     GN_TRY(find_normal(section, scene, joint));
+    GN_TRY(check_sides(section, joint));
+    GN_TRY(check_dilation(section, joint));
     return check_edge(section, joint);
 }
 

@@ -494,6 +494,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     if (gn_scene_box_moves(scene)) mask |= GN_FX_CONTACT_FORCES;
     if (scene->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (scene->has_clumps) mask |= GN_FX_CLUMPS;
+    if (scene->joint_count) mask |= GN_FX_JOINTS;
     if (scene->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (scene->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (scene->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;

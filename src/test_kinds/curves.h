@@ -72,7 +72,7 @@ char *gn_reason_of(gn_readings *readings, gn_reading which);
  * replace the missing rows. */
 gn_line_fit gn_line(const gn_curves *curves, const double *x, const double *y, gn_row_span span);
 
-/* Returns the number of bonds that have broken up to a row. */
+/* Returns the number of bonds and contacts across joints that have broken up to a row. */
 double gn_breaks_until(const gn_curves *curves, size_t row);
 
 /* Finds the rows from which elastic constants are fitted, among those of `loading`. */

@@ -205,9 +205,9 @@ typedef struct gn_tested {
 
 /* Computes the readings from history columns: `strain`, `stress`, `stress_lower`, `stress_upper`
  * (positive in the sense of the test), `strain_xx` .. and `stress_xx` .. (averages, tension
- * positive), `broken_tension`, `broken_shear`, and others that tests of the kind have; absent
- * columns are ignored. In 2D the lateral strain is that along the other in-plane axis. A reading
- * that the curves cannot give is NaN and has a reason. */
+ * positive), `broken_tension`, `broken_shear`, `broken_joints`, and others that tests of the kind
+ * have; absent columns are ignored. In 2D the lateral strain is that along the other in-plane axis.
+ * A reading that the curves cannot give is NaN and has a reason. */
 void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *readings);
 
 #endif

@@ -77,8 +77,9 @@ static const double dissipated = 0.01;
 
 double gn_breaks_until(const gn_curves *curves, size_t row) {
     const double *tension = gn_history_column(curves->history, "broken_tension"),
-                 *shear = gn_history_column(curves->history, "broken_shear");
-    return tension && shear ? tension[row] + shear[row] : 0;
+                 *shear = gn_history_column(curves->history, "broken_shear"),
+                 *joints = gn_history_column(curves->history, "broken_joints");
+    return (tension && shear ? tension[row] + shear[row] : 0) + (joints ? joints[row] : 0);
 }
 
 /* Returns a hundredth of the bonds through a section of the specimen. */
@@ -188,9 +189,12 @@ gn_line_fit gn_line(const gn_curves *curves, const double *x, const double *y, g
     return (gn_line_fit){slope, sqrt(rest / (rows - 2) / xx)};
 }
 
-static double last_of(const gn_history *history, const char *name) {
-    const double *column = gn_history_column(history, name);
-    return column ? column[history->row_count - 1] : NAN;
+/* Tells whether the history counts breaks, and has none. */
+static bool is_whole(const gn_curves *curves) {
+    const gn_history *history = curves->history;
+    return (gn_history_column(history, "broken_tension") ||
+            gn_history_column(history, "broken_joints")) &&
+           gn_breaks_until(curves, history->row_count - 1) == 0;
 }
 
 /* Tells whether the sheared specimen slides by friction over a third or more of the displacement of
@@ -220,8 +224,7 @@ const char *gn_no_peak(const gn_curves *curves) {
     if (curves->tested->elastic) return "finite elements do not fail";
     if (curves->never_strained) return "the ends never moved in the sense of the test";
     if (slides(curves)) return NULL;
-    if (last_of(curves->history, "broken_tension") + last_of(curves->history, "broken_shear") == 0)
-        return "no bond has broken";
+    if (is_whole(curves)) return "no bond has broken";
     if (least > (1 - fall) * curves->stress[curves->largest])
         return "the run ended before the peak: the stress has not fallen by 5 % from its largest";
     return NULL;
