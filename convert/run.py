@@ -42,6 +42,9 @@ def read(folder, options):
             c.update({column: held[name][:, k].astype(float) for k, column in enumerate(columns)})
     if "mass" in held:
         from_mass(particles, held["mass"])
+    members = held["clump"][held["clump"] >= 0] if "clump" in held else ()
+    if len(members):
+        particles.dropped.append(f"{len(np.unique(members))} clumps (their {len(members)} members are written as particles that may move apart)")
     if np.any(~stays):
         particles.dropped.append(f"{int(np.sum(~stays))} particles that were removed during the run")
     return particles, lambda row, name, text: f"{path}: {text}"

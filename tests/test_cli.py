@@ -410,7 +410,7 @@ run: {threads: 1}
     assert "behind" not in again.stderr, again.stderr
 
 
-@fact
+@plain_fact
 def check_accepts_every_scene_that_comes_with_the_program(folder):
     shipped = os.path.join(SCENES, "../../scenes")
     scenes = [os.path.join(shipped, name) for name in sorted(os.listdir(shipped)) if name.endswith(".yaml")]

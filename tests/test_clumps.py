@@ -180,5 +180,73 @@ def a_surface_without_room_is_refused_with_its_place(folder):
     expect(gneiss("check", path, "--set", "clumps.shapes.c.spheres=12"), 0)
 
 
+def refused(folder, clumps, words, more=()):
+    done = gneiss("run", scene(folder, clumps), "--quiet", "--out", os.path.join(folder, "none"), *more)
+    assert done.returncode == 2 and words in done.stderr, done.stderr
+
+
+@fact
+def faults_of_shapes_and_places_are_named_with_their_lines(folder):
+    one = "  placed: [{shape: b, centre: [0, 0, 0.05]}"
+    refused(folder, f"    - {{name: c, spheres: [[0, 0, 0, 2 mm], [0, 0, 0, 1 mm]]}}\n{one}]",
+            "s.yaml:6:26: clumps.shapes[2].spheres: expected distinct centres, found rows 0 and 1")
+    refused(folder, one + ", {shape: b, centre: [0, 0, 0.05]}]", "s.yaml:6:46: clumps.placed[1]: expected distinct centres, found clump 1")
+    refused(folder, "  filled: [{shapes: [a], box: {min: [0, 0, 0.01], max: [2 mm, 2 mm, 0.02]}, count: 3}]",
+            "s.yaml:6:12: clumps.filled[0].box: expected a box with room for a clump, found none in 2000 random places")
+    refused(folder, one + "]\njoints: [{name: j, point: [0, 0, 0], normal: [0, 0, 1]}]", "clumps: expected a scene without joints")
+    path = scene(folder, one + "]")
+    with open(path) as file:
+        text = file.read().replace("materials: [", "materials: [{name: n, density: 2000, young: 5 MPa, poisson: 0.25, restitution: 0.5}, ")
+    with open(path, "w") as file:
+        file.write(text)
+    done = gneiss("check", path)
+    assert done.returncode == 2 and "clumps.shapes[0].material: required beside several materials, but not given" in done.stderr, done.stderr
+
+
+@fact
+def clumps_that_overlap_at_the_start_are_warned_of(folder):
+    for height, warned in ((0.051, True), (0.06, False)):
+        path = scene(folder, f"  placed: [{{shape: b, centre: [0, 0, 0.05], velocity: [0, 0, -1]}}, {{shape: b, centre: [0, 0, {height}]}}]", "1 us")
+        done = gneiss("run", path, "--out", os.path.join(folder, f"{warned}"))
+        assert ("warning: clumps or particles overlap each other" in done.stderr) == warned, done.stderr
+        shown = gneiss("check", path).stdout
+        assert ("porosity         none" in shown) == warned, shown
+
+
+@fact
+def a_clump_longer_than_half_of_a_periodic_box_is_refused(folder):
+    path = scene(folder, "  placed: [{shape: b, centre: [0, 0, 0.05]}]", "1 ms")
+    with open(path) as file:
+        text = re.sub("domain: .*", "periodic: {min: [-6.4 mm, -6.7 mm, 0], max: [6.4 mm, 6.7 mm, 0.2]}", file.read())
+    with open(path, "w") as file:
+        file.write(re.sub("walls: .*|gravity: .*", "", text))
+    done = gneiss("check", path)
+    assert done.returncode == 2 and ("s.yaml:5:7: clumps.shapes[1] (b): expected a clump of at most half the length of the periodic box along x, "
+                                     "which is 0.0064 m, found one of 0.0066 m") in done.stderr, done.stderr
+    expect(gneiss("check", path, "--set", "periodic.min=[-6.7 mm, -6.7 mm, 0]", "--set", "periodic.max=[6.7 mm, 6.7 mm, 0.2]"), 0)
+
+
+@fact
+def a_shape_of_no_clump_is_noted(folder):
+    done = gneiss("check", scene(folder, "  placed: [{shape: b, centre: [0, 0, 0.05]}]"))
+    words = " ".join((done.stdout + done.stderr).split())
+    assert "clumps.shapes[0].name" in words and "no clump has this shape" in words and "clumps.shapes[1].name" not in words, words
+
+
+@fact
+def other_programs_and_runs_do_not_lose_clumps_silently(folder):
+    out, text = os.path.join(folder, "out"), os.path.join(folder, "from.yaml")
+    run(scene(folder, CLOUD, "1 ms"), out)
+    done = expect(gneiss("convert", out, os.path.join(folder, "p.csv")), 0)
+    members = int((fields(out, "clump")[0] >= 0).sum())
+    assert f"60 clumps (their {members} members" in done.stdout, done.stdout
+    with open(text, "w") as file:
+        file.write("specimen: {from: out, material: m}\nmaterials: [{name: m, density: 2500, young: 5 MPa, poisson: 0.25, restitution: 0.5}]\n"
+                   "law: {stiffness: hertz}\ndomain: {min: [-1, -1, -1], max: [1, 1, 1]}\ntime: {end: 1 ms}\n")
+    done = gneiss("check", text)
+    assert done.returncode == 2 and "from.yaml:1:18: specimen.from: expected a run without clumps" in done.stderr, done.stderr
+    assert f"found {members} members of clumps" in done.stderr, done.stderr
+
+
 if __name__ == "__main__":
     sys.exit(main())

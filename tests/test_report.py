@@ -718,6 +718,10 @@ def seen(scene, size, dimension=3, **given):
 def gravity_or_z_is_up_unless_a_specimen_stands(folder):
     """The longest side gives no information."""
     ends, test = ("stress_lower", "stress_upper"), "test:\n  axis: x\n"
+    varying = (('0, "9.81*(1 + 0.5*sin(2*pi*30*t))", 0', "y"), ("[[0, -9.81], [0.1, -5]], 0, 3", "x"), ('"500*sin(300*t)", -9.81, 0', "y"),
+               ('0, "1 + t?", 9', "z"), ('"t.size", "9^9^9^9", 0', "z"))
+    for given, up in varying:
+        assert "xyz"[seen(f"gravity: [{given}]\n", (1.0, 1.0, 1.0)).up_axis()] == up, given
     for scene, columns, up in (("gravity: [0, 0, 0]\n", (), "z"), ("gravity: [0, -9.81, 0]\n", (), "y"), (test, (*ends, "normal_stress"), "z"), (test, ends, "x")):
         results = seen(scene, (9.0, 1.0, 1.0))
         results.history = dict.fromkeys(columns)

@@ -11,7 +11,7 @@ def the_small_specimen_breaks_under_load(folder):
     assert counts["broken_tension"] > 100 and counts["broken_shear"] > 100, counts
 
 
-@fact
+@plain_fact
 def three_threads_give_the_same_bits_as_one(folder):
     same_with_threads(folder, 3)
 
@@ -58,7 +58,7 @@ def a_lost_terminal_writes_a_checkpoint(folder):
     assert len(checkpoints(folder)) == 1
 
 
-@fact
+@plain_fact
 def resume_with_other_threads_gives_the_same_bits(folder):
     interrupted_and_resumed(folder, signal.SIGINT, "--threads", 3)
 
@@ -88,7 +88,7 @@ def bound_threads_have_a_core_each(folder):
     assert len({place for place in places if place.isdigit()}) > 1, f"threads on cores {places}"
 
 
-@fact
+@plain_fact
 def killed_early_and_resumed_gives_the_same_bits(folder):
     killed_and_resumed(folder, 1)
 
@@ -290,7 +290,7 @@ def an_output_folder_that_is_too_long_leaves_no_folders_behind(folder):
     assert not os.listdir(folder), os.listdir(folder)
 
 
-@fact
+@plain_fact
 def snapshots_keep_their_pace_when_the_step_changes(folder):
     """A light grain hits two heavy ones in contact: from then on the step is a thirtieth of the former."""
     scene = f"{folder}.yaml"
@@ -363,7 +363,7 @@ run: {threads: 1}
     run(packed, os.path.join(folder, "packed"))
 
 
-@fact
+@plain_fact
 def a_grain_that_falls_far_bounces_by_hertz_at_default_settings(folder):
     """The particle's automatic step is that of a contact that does not exist yet, and the particle is fast when it touches."""
     grain = {"specimen": {"particles": [[0, 0, 0.5, 0.001]], "material": "a"}, "law": {"stiffness": "hertz"},
@@ -377,7 +377,7 @@ def a_grain_that_falls_far_bounces_by_hertz_at_default_settings(folder):
         assert abs(file["particles/position"][0, 2] - (0.001 + 1.5645 * 0.181 - 0.5 * 9.81 * 0.181**2)) < 0.01
 
 
-@fact
+@plain_fact
 def resuming_a_finished_run_leaves_its_results_with_mean_confinement(folder):
     out, again = os.path.join(folder, "out"), os.path.join(folder, "again")
     run(UCS, out, "--set", "law.confinement=mean", "--set", "materials.0.bond_friction=0.8")
@@ -399,7 +399,7 @@ def a_specimen_is_not_taken_from_a_run_that_did_not_end(folder):
     expect(gneiss("check", path), 2, r"expected a run that came to its end|cannot open")
 
 
-@fact
+@plain_fact
 def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
     """By Hertz's law the properties of contacts depend on the speed alone: two clumps that collide head-on, from 1
     to 50 m/s."""
@@ -421,7 +421,7 @@ def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
         assert left < 0.018, (speed, left)
 
 
-@fact
+@plain_fact
 def a_fast_body_takes_steps_that_grains_resolve(folder):
     """A plate at 30 m/s hits grains at rest, whose speed does not show the coming impact."""
     r = 1e-3

@@ -169,8 +169,8 @@ def edits(checkpoint, pick, count):
 
 def try_values(folder, scene, end, later, count, seed):
     """Makes every edit twice: with the old digest, and with new digests, so that range checks are tested as well.
-    Errors of memory access are found under a sanitizer; without one a quarter of the edits is made."""
-    count = count if SANITIZED else count // 4
+    Errors of memory access are found under a sanitizer; without one a half of the edits is made."""
+    count = count if SANITIZED else count // 2
     checkpoint = interrupted(folder, scene, end)
     whole = open(checkpoint, "rb").read()
     for name, place, value in edits(checkpoint, random.Random(seed), count):
@@ -192,17 +192,17 @@ def try_values(folder, scene, end, later, count, seed):
 
 @fact
 def edited_values_of_particles_and_bonds_never_crash_or_hang(folder):
-    try_values(folder, LATTICE, "0.1 ms", "0.12 ms", 40, 23)
+    try_values(folder, LATTICE, "0.1 ms", "0.12 ms", 20, 23)
 
 
 @fact
 def edited_values_of_elements_never_crash_or_hang(folder):
-    try_values(folder, ELEMENTS, "0.05 ms", "0.055 ms", 25, 24)
+    try_values(folder, ELEMENTS, "0.05 ms", "0.055 ms", 12, 24)
 
 
 @fact
 def edited_values_of_grains_that_flow_never_crash_or_hang(folder):
-    try_values(folder, FLOW, "0.5 ms", "0.52 ms", 25, 25)
+    try_values(folder, FLOW, "0.5 ms", "0.52 ms", 12, 25)
 
 
 # --- another run's particles, packings -----------------------------------------------------------------------

@@ -211,13 +211,47 @@ class Results:
 
     def up_axis(self):
         """Returns the vertical axis (0, 1, 2): that of gravity, otherwise z, in 2D y; for a specimen loaded along an
-        axis this axis."""
-        gravity = re.search(r"^gravity:\s*\[([^\]]*)\]", self.scene, re.MULTILINE)
-        pull = [abs(float(g)) for g in gravity[1].split(",")] if gravity else [0.0]
+        axis this axis. Components that vary with time count by their mean."""
+        gravity = re.search(r"^gravity:\s*\[(.*)\]\s*$", self.scene, re.MULTILINE)
+        times = self.history["time"].value if "time" in self.history else np.linspace(0.0, 1.0, 101)
+        pull = [abs(mean_of(g, times)) for g in split_list(gravity[1])] if gravity else [0.0]
         if max(pull) > 0:
             return pull.index(max(pull))
         stands = "stress_lower" in self.history and "normal_stress" not in self.history
         return self.test_axis() if stands else min(2, self.dimension - 1)
+
+
+def split_list(inner):
+    """Returns the texts between the commas of a list in brackets, without those in inner lists and in quotes."""
+    return re.findall(r"\[(?:\[[^\]]*\]|[^\[\]])*\]|\"[^\"]*\"|[^,\s\"\[\]]+", inner)
+
+
+FUNCTIONS = {name: getattr(np, name) for name in (
+    "sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log10", "log2", "sqrt", "abs", "sign", "rint")}
+FUNCTIONS |= {"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "atan2": np.arctan2, "ln": np.log, "log": np.log,
+              "min": np.minimum, "max": np.maximum, "pi": np.pi, "_pi": np.pi, "_e": np.e}
+
+
+def mean_of(component, times):
+    """Returns the mean over the times of a number, a table or a formula of a scene as text; 0 for a formula with other
+    operators and functions than those above."""
+    numbers = [float(n) for n in re.findall(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?", component)] if '"' not in component else []
+    if component.startswith("["):
+        return float(np.mean(np.interp(times, numbers[::2], numbers[1::2])))
+    if numbers:
+        return numbers[0]
+    number, name = r"\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?", r"[A-Za-z_]\w*"
+    parts = re.findall(rf"{number}|{name}|[-+*/^(),]", component)
+    allowed = all(p in FUNCTIONS or p == "t" for p in parts if re.fullmatch(name, p))
+    if not allowed or "".join(parts) != re.sub(r"[\s\"]", "", component):
+        return 0.0
+    code = "".join(f"float({p})" if re.fullmatch(number, p) else "**" if p == "^" else p for p in parts)
+    try:
+        with np.errstate(all="ignore"):
+            value = np.mean(eval(code, {"__builtins__": {}, "float": np.float64, **FUNCTIONS, "t": np.asarray(times)}))
+    except (ArithmeticError, SyntaxError, TypeError, ValueError):
+        return 0.0
+    return float(value) if np.isfinite(value) else 0.0
 
 
 # --- numbers for people --------------------------------------------------------------------------------

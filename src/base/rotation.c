@@ -116,13 +116,13 @@ static void run_far(const gn_rotor *b, double dt) {
 
 /* The step is determined by springs and grains, so that a body may rotate far in it. Values that
  * are not finite are detected after the step. */
-void gn_rotor_advance(const gn_rotor *b, double turn, double dt, bool space) {
+void gn_rotor_advance(const gn_rotor *rotor, double turn, double dt, bool space) {
     int parts = turn > GN_TURN_PLAIN ? (int)fmin(ceil(turn / turn_part), 1000.0) : 0;
     if (!space)
-        turn_about_axis(b, 2, dt);
+        turn_about_axis(rotor, 2, dt);
     else if (parts == 0)
-        run_about_axes(b, dt);
-    for (int k = 0; space && k < parts; k++) run_far(b, dt / parts);
+        run_about_axes(rotor, dt);
+    for (int k = 0; space && k < parts; k++) run_far(rotor, dt / parts);
 }
 
 /* --- many bodies --- */

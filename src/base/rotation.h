@@ -11,11 +11,11 @@
 void gn_turn_axes(const double turn[4], double axes[9]);
 /* Computes the product of two quaternions: the rotation `b` followed by `a`. */
 void gn_turn_product(const double a[4], const double b[4], double out[4]);
-/* Normalises the quaternion, so that rounding cannot accumulate, and computes its matrix; the unit
+/* Normalises the quaternion q, so that rounding cannot accumulate, and computes its matrix; the unit
  * quaternion of a body that does not rotate is unchanged. */
-void gn_turn_settle(double turn[4], double axes[9]);
-/* Computes the quaternion of a rotation matrix (Shepperd 1978). */
-void gn_turn_of_matrix(const double matrix[9], double turn[4]);
+void gn_turn_settle(double q[4], double axes[9]);
+/* Computes the quaternion q of a rotation matrix m (Shepperd 1978). */
+void gn_turn_of_matrix(const double m[9], double q[4]);
 /* Computes the quaternion of a rotation vector, axis times angle in rad. */
 void gn_turn_of_vector(const double vector[3], double turn[4]);
 

@@ -592,8 +592,12 @@ static void print_porosity(const gn_world *world, double porosity) {
         return;
     }
     printf("  clumps           %zu of %zu particles\n", clumps->count, clumps->member_count);
-    printf("  porosity         %.2f %% (overlap within clumps counted once)\n",
-           100.0 * gn_dem_porosity(&world->ctx, &world->dem));
+    const double once = gn_dem_porosity(&world->ctx, &world->dem);
+    if (once < 0.0)
+        printf("  porosity         none: clumps and particles fill more than their extent, as "
+               "overlap between them counts twice\n");
+    else
+        printf("  porosity         %.2f %% (overlap within clumps counted once)\n", 100.0 * once);
 }
 
 static gneiss_status check_particles(const gn_world *world, int *warnings, gneiss_error *error) {

@@ -9,6 +9,7 @@
 #include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
 #include "io/io.h"
+#include "particles/bonds.h"
 #include "plan/estimate.h"
 #include "run/budget.h"
 #include "run/run.h"
@@ -215,10 +216,22 @@ static void warn_of_inside(const char *where, const char *name, size_t count) {
                 count, count == 1 ? " has its" : "s have their", where, name);
 }
 
+/* Warns of clumps that overlap other particles, which contacts push apart at once. */
+static void warn_of_clumps(const gn_world *world) {
+    if (!world->dem.clumps.count) return;
+    const double stored = gn_contacts_stored(&world->ctx, &world->dem, &world->box);
+    if (gn_stored_matters(&world->ctx, &world->dem, stored))
+        fprintf(stderr,
+                "gneiss: warning: clumps or particles overlap each other at the start, where "
+                "contacts store %.3g J and push them apart: gneiss check shows the overlaps\n",
+                stored);
+}
+
 static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
     const gn_scene *scene = &world->ctx.scene;
     GN_FREED gn_overlap *overlaps = NULL;
     if (world->ctx.step > 0) return GNEISS_OK;
+    warn_of_clumps(world);
     for (size_t k = 0; k < scene->wall_count; k++) /* a passive wall does not expel particles */
         if (!scene->walls[k].passive)
             warn_of_inside("behind wall", scene->walls[k].name,

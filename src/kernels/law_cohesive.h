@@ -114,7 +114,7 @@ GN_INLINE bridge_lanes lanes_of(const meeting_pair *p, gn_m which) {
     gn_store(l.path, p->path);
     gn_store(l.bridge, gn_keep(which, p->bridge));
     gn_store(l.span, p->span);
-    return l;
+    return l; // cppcheck-suppress uninitvar
 }
 
 /* Computes the energies of bridges over A, m. */

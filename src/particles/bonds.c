@@ -8,6 +8,7 @@
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/bond_sections.h"
+#include "particles/clumps.h"
 #include "particles/from_run.h"
 #include "particles/joints.h"
 #include "particles/law.h"
@@ -54,6 +55,24 @@ static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem,
                    a < b ? a : b, a < b ? b : a, radius, distance);
 }
 
+/* Reports two clumps, or a clump and a particle, with a common centre. */
+static gneiss_status refuse_clumps(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
+                                   int32_t j, gneiss_error *error) {
+    const gn_clumps_def *def = &ctx->scene.clumps;
+    const int32_t *clump = dem->particles.clump, c = clump[i] > clump[j] ? clump[i] : clump[j],
+                  other = clump[i] + clump[j] - c, at = clump[i] == c ? i : j;
+    const bool placed = (size_t)c < def->placed_count;
+    const double *x = dem->particles.pos + 4 * (int64_t)at, *o = ctx->scene.origin;
+    char path[48] = "clumps", found[48] = "a particle of the specimen";
+    if (placed) snprintf(path, sizeof path, "clumps.placed[%d]", c);
+    if (other >= 0) snprintf(found, sizeof found, "clump %d", other);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected distinct centres, found clump %d (base 0) with a sphere at the "
+                   "place of one of %s, at (%.6g, %.6g, %.6g) m",
+                   gn_scene_at(&ctx->scene, placed ? def->placed[c].where : def->where, path).text,
+                   c, found, x[0] + o[0], x[1] + o[1], x[2] + o[2]);
+}
+
 /* Refuses particles at the same position, bonded or not, because their contact has no direction. */
 static gneiss_status check_distinct(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_pair_list *pairs, gneiss_error *error) {
@@ -64,6 +83,8 @@ static gneiss_status check_distinct(const gn_step_context *ctx, const gn_dem *de
                       ctx->scene.bonds == GN_SWITCH_ON;
         if (distance > 0.0 && bonded) GN_TRY(check_bonded(ctx, dem, i, j, distance, error));
         if (distance > 0.0) continue;
+        if (gn_clump_of(dem, (size_t)i) || gn_clump_of(dem, (size_t)j))
+            return refuse_clumps(ctx, dem, i, j, error);
         int32_t a = dem->particles.id[i], b = dem->particles.id[j];
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected distinct centres, found particles %d and %d "

@@ -287,6 +287,11 @@ static gneiss_status add_random(maker *m, size_t index, gneiss_error *error) {
                 at.centre[a] = def->box_min[a] + (def->box_max[a] - def->box_min[a]) * draw(m);
             found = fits(m, def, &at);
         }
+        if (!found && !made)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s:%d:%d: clumps.filled[%zu].box: expected a box with room for a "
+                           "clump, found none in %d random places",
+                           m->scene->source, def->where.line, def->where.column, index, TRIES);
         if (!found)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s:%d:%d: clumps.filled[%zu].count: expected at most some %lld clumps, "
@@ -302,10 +307,42 @@ static gneiss_status add_random(maker *m, size_t index, gneiss_error *error) {
 
 /* --- all clumps --- */
 
-static gneiss_status make_all(maker *m, gneiss_error *error) {
+/* Returns the largest distance between two points of the spheres of a shape, m. */
+static double length_of(const gn_clump_shape *shape) {
+    double most = 0.0;
+    for (size_t k = 0; k < shape->count; k++)
+        for (size_t i = 0; i <= k; i++) {
+            const double *a = shape->sphere + 4 * i, *b = shape->sphere + 4 * k,
+                         d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+            most = fmax(most, sqrt(gn_dot3(d, d)) + a[3] + b[3]);
+        }
+    return most;
+}
+
+/* Refuses a shape that could meet its own images in a periodic box. */
+static gneiss_status check_length(const gn_step_context *ctx, size_t index,
+                                  const gn_clump_shape *shape, gneiss_error *error) {
+    const gn_clump_shape_def *def = &ctx->scene.clumps.shapes[index];
+    char path[48];
+    for (int a = 0; a < (int)ctx->scene.dimension; a++) {
+        const double half = 0.5 * ctx->period[a];
+        if (!(half > 0.0) || 2.0 * shape->reach <= half || length_of(shape) <= half) continue;
+        snprintf(path, sizeof path, "clumps.shapes[%zu]", index);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s (%s): expected a clump of at most half the length of the periodic box "
+                       "along %c, which is %.6g m, found one of %.6g m",
+                       gn_scene_at(&ctx->scene, def->where, path).text, def->name, "xyz"[a], half,
+                       length_of(shape));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status make_all(const gn_step_context *ctx, maker *m, gneiss_error *error) {
     GN_TRY(gn_new(&m->shape, m->scene->clumps.shape_count, "shapes of clumps", error));
-    for (size_t k = 0; k < m->scene->clumps.shape_count; k++)
+    for (size_t k = 0; k < m->scene->clumps.shape_count; k++) {
         GN_TRY(gn_clump_shape_make(m->scene, k, &m->shape[k], error));
+        GN_TRY(check_length(ctx, k, &m->shape[k], error));
+    }
     GN_TRY(add_placed(m, error));
     GN_TRY(add_file(m, error));
     if (m->scene->clumps.filled_count) GN_TRY(make_grid(m, error));
@@ -320,7 +357,7 @@ gneiss_status gn_clumps_make(const gn_step_context *ctx, gn_packing *packing, gn
                .clumps = clumps,
                .sphere_room = 4 * packing->count};
     if (!ctx->scene.has_clumps) return GNEISS_OK;
-    gneiss_status status = make_all(&m, error);
+    gneiss_status status = make_all(ctx, &m, error);
     for (size_t k = 0; m.shape && k < ctx->scene.clumps.shape_count; k++)
         gn_clump_shape_free(&m.shape[k]);
     gn_free(m.shape);

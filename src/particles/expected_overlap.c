@@ -2,6 +2,7 @@
 
 #include "base/vec3.h"
 #include "frame/frame.h"
+#include "kernels/law.h"
 #include "particles/particles.h"
 
 #include <math.h>
@@ -13,13 +14,23 @@ static double fall(const gn_step_context *ctx, const gn_dem *dem) {
     return (pull + ctx->choice.push) * dem->verlet.skin;
 }
 
-/* The energy of the contact is 4/15 kn u^(5/2). */
-double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
+double gn_sudden_pull(int cohesion, double adhesion, double radius) {
+    if (cohesion != GN_COHESION_DMT && cohesion != GN_COHESION_LIQUID) return 0.0;
+    return gn_cohesion_most(cohesion, adhesion, radius);
+}
+
+/* The energy of the contact is 4/15 kn u^(5/2), and the attraction does the work A u: the overlap
+ * is at most the sum of those by the energy alone and by the attraction alone, (15/4 A/kn)^(2/3).
+ */
+double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn, double pull,
                            double inverse_mass, double speed2, double radius, double known) {
     if (!(inverse_mass > 0.0)) return known;
     if (ctx->choice.gain > 0.0)
         speed2 = (sqrt(speed2) + ctx->choice.gain) * (sqrt(speed2) + ctx->choice.gain);
     double energy = (0.5 * speed2 + fall(ctx, dem)) / inverse_mass, u = known * radius;
+    if (pull > 0.0)
+        return fmax(known, (pow(3.75 * energy / kn, 0.4) + cbrt(14.0625 * pull / kn * pull / kn)) /
+                               radius);
     if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
     return pow(3.75 * energy / kn, 0.4) / radius;
 }
@@ -35,13 +46,13 @@ double gn_relative_speed2(const double *a, const double *b) {
 }
 
 double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
-                          double kn) {
+                          double kn, double pull) {
     const gn_particles *q = &dem->particles;
     const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
     double radius = gn_pair_radius(q, i, j),
            known = fmax(fmax(q->pressed[i], q->pressed[j]), GN_OVERLAP_LEAST);
-    return radius * gn_expected_overlap(ctx, dem, kn, vi[3] + vj[3], gn_relative_speed2(vi, vj),
-                                        radius, known);
+    return radius * gn_expected_overlap(ctx, dem, kn, pull, vi[3] + vj[3],
+                                        gn_relative_speed2(vi, vj), radius, known);
 }
 
 double gn_pressed_touch(const gn_dem *dem, size_t p) {

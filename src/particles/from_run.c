@@ -63,6 +63,24 @@ static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Refuses members of clumps, which overlap and would be free particles here. */
+static gneiss_status check_free(const source *s, gneiss_error *error) {
+    size_t members = 0;
+    if (!gn_h5_has(s->file, "particles/clump")) return GNEISS_OK;
+    int32_t *clump = gn_alloc_array(s->all + 1, sizeof *clump);
+    if (!clump) return gn_no_memory(error, "the particles of another run");
+    gneiss_status status =
+        gn_h5_get(s->file, "particles/clump", GN_I32, s->all, 1, 0, clump, error);
+    for (size_t p = 0; status == GNEISS_OK && p < s->all; p++)
+        members += s->place[p] >= 0 && clump[p] >= 0;
+    gn_free(clump);
+    if (status != GNEISS_OK || !members) return status;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected a run without clumps, whose members would become free particles, "
+                   "found %zu members of clumps (gneiss resume goes on with such a run)",
+                   members);
+}
+
 static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *error) {
     from->motion = gn_alloc_array(from->count + 1, 6 * sizeof *from->motion);
     if (!from->motion) return gn_no_memory(error, "the particles of another run");
@@ -209,6 +227,7 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
                        "expected the results of a run with particles, found none of them");
     GN_TRY(check_dimension(scene, s, "run", error));
     GN_TRY(number(s, from, error));
+    GN_TRY(check_free(s, error));
     GN_TRY(take_spheres(s, from, error));
     if (scene->specimen.from_velocities) GN_TRY(take_motion(s, from, error));
     return scene->specimen.from_bonds ? take_bonds(s, from, error) : GNEISS_OK;

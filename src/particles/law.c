@@ -222,9 +222,12 @@ gn_law_spring gn_pair_spring(const gn_step_context *ctx, const gn_dem *dem, int3
     gn_law_pair pair = pair_of(ctx, dem, i, j);
     const gn_law *law = gn_law_of(gn_contact_list_effects(ctx->effects, false));
     double reach = dem->verlet.skin;
-    if (ctx->effects & GN_FX_HERTZ)
-        reach =
-            gn_pressed_meeting(ctx, dem, (size_t)i, (size_t)j, law->meeting(&model, &pair, 1.0).kn);
+    if (ctx->effects & GN_FX_HERTZ) {
+        const gn_hertz_pair p = gn_hertz_pair_of(&ctx->scene, pair.a, pair.b, pair.own);
+        reach = gn_pressed_meeting(
+            ctx, dem, (size_t)i, (size_t)j, law->meeting(&model, &pair, 1.0).kn,
+            gn_sudden_pull(p.cohesion, p.adhesion, pair.ri * pair.rj / (pair.ri + pair.rj)));
+    }
     return law->meeting(&model, &pair, reach); // cppcheck-suppress returnDanglingLifetime
 }
 

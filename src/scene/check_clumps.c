@@ -22,6 +22,19 @@ static gneiss_status check_shape_name(const check *section, const gn_scene *scen
                          gn_names_advice(&names, advice, sizeof advice));
 }
 
+/* Refuses spheres about one centre, of which the smaller one would have no effect. */
+static gneiss_status check_centres(const check *section, const gn_clump_shape_def *shape) {
+    const double *x = shape->spheres;
+    for (size_t k = 1; k < shape->sphere_count; k++)
+        for (size_t i = 0; i < k; i++)
+            if (memcmp(x + 4 * i, x + 4 * k, 3 * sizeof *x) == 0)
+                return gn_check_fail(section, "spheres",
+                                     "expected distinct centres, found rows %zu and %zu (base 0) "
+                                     "about one centre",
+                                     i, k);
+    return GNEISS_OK;
+}
+
 static gneiss_status check_shape(const check *section, const gn_scene *scene, size_t index) {
     gn_clump_shape_def *shape = &scene->clumps.shapes[index];
     GN_TRY(gn_check_name(section, gn_scene_find_clump_shape(scene, shape->name) != (int)index,
@@ -35,8 +48,12 @@ static gneiss_status check_shape(const check *section, const gn_scene *scene, si
         return gn_check_fail(section, "spheres",
                              "expected rows of spheres, or a surface beside their number, found %s",
                              shape->fill ? "the number alone" : "none");
+    GN_TRY(check_centres(section, shape));
     if (!*shape->material && scene->material_count == 1)
         memcpy(shape->material, scene->materials[0].name, sizeof shape->material);
+    if (!*shape->material && scene->material_count > 1)
+        return gn_check_fail(section, "material",
+                             "required beside several materials, but not given");
     return gn_check_material_name(section, scene, "material", shape->material);
 }
 
@@ -60,6 +77,7 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
         {scene->has_elements, "elements"},
         {scene->has_membrane, "membrane"},
         {gn_scene_tested(scene), "test"},
+        {scene->joint_count > 0, "joints"},
         {scene->sink_count > 0, "sinks"},
         {scene->set_count > 0, "sets"},
         {gn_scene_box_moves(scene), "a periodic box that moves"},

@@ -310,6 +310,22 @@ static void note_sources(const gn_reader *reader, const gn_node *root, const gn_
     }
 }
 
+/* Adds notes on shapes that no clump has; the rows of a file may name any shape. */
+static void note_clumps(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    const gn_clumps_def *clumps = &scene->clumps;
+    for (size_t s = 0; !*clumps->file && s < clumps->shape_count; s++) {
+        const char *name = clumps->shapes[s].name;
+        check c = gn_check_element(reader, root, "clumps.shapes", s);
+        bool used = false;
+        for (size_t k = 0; k < clumps->placed_count; k++)
+            used |= strcmp(clumps->placed[k].shape, name) == 0;
+        for (size_t k = 0; k < clumps->filled_count; k++)
+            for (size_t i = 0; i < clumps->filled[k].shape_count; i++)
+                used |= strcmp(clumps->filled[k].shapes[i], name) == 0;
+        if (!used) note(&c, &clumps->shapes[s], "name", "no clump has this shape");
+    }
+}
+
 void gn_note_idle_keys(const gn_reader *reader, const gn_node *root) {
     const gn_scene *scene = reader->scene;
     const check c = {.reader = reader, .map = root};
@@ -321,4 +337,5 @@ void gn_note_idle_keys(const gn_reader *reader, const gn_node *root) {
     note_sets(reader, root, scene);
     note_bodies(reader, root, scene);
     note_sources(reader, root, scene);
+    note_clumps(reader, root, scene);
 }

@@ -384,8 +384,9 @@ static gneiss_status check_cohesive_company(const check *section, const gn_scene
                   {scene->precision == GN_PRECISION_MIXED, "mixed precision"},
                   {gn_scene_box_moves(scene), "a periodic box whose sides move"},
                   {liquid && scene->source_count > 0, "sources, whose particles would be dry"},
-                  {liquid && (scene->sink_count > 0 || scene->has_domain),
-                   "particles that leave, with the liquid of their bridges"}};
+                  {liquid && (scene->sink_count > 0 || scene->lost == GN_LOST_REMOVE),
+                   "particles that are removed, with the liquid of their bridges"},
+                  {scene->joint_count > 0, "joints, whose contacts have no attraction"}};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
             return gn_check_fail(section, "law.cohesion", "expected none beside it, found %s",

@@ -53,8 +53,9 @@ static void update_pairs(gn_step_context *ctx, gn_dem *dem) {
         double gap = sqrt(gn_branch(ctx, q->pos + 4 * i, q->pos + 4 * j, d)) - q->pos[4 * i + 3] -
                      q->pos[4 * j + 3];
         known = fmax(known, growth * -gap / radius);
-        known = gn_expected_overlap(ctx, dem, k->kn[c], vi[3] + vj[3], gn_relative_speed2(vi, vj),
-                                    radius, known);
+        const double pull = k->adhesion && !(k->span[c] > 0.0) ? k->adhesion[c] : 0.0;
+        known = gn_expected_overlap(ctx, dem, k->kn[c], pull, vi[3] + vj[3],
+                                    gn_relative_speed2(vi, vj), radius, known);
         raise(dem, i, known);
         raise(dem, j, known);
     }
@@ -77,9 +78,10 @@ static void consider(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch
     const double *own = dem->particles.vel + 4 * p;
     double kn = gn_law_of(ctx->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
     double known = fmax(dem->particles.pressed[p], growth * overlap / side->radius);
-    raise(
-        dem, p,
-        gn_expected_overlap(ctx, dem, kn, own[3], gn_relative_speed2(own, v), side->radius, known));
+    const double pull = gn_sudden_pull(side->hertz.cohesion, side->hertz.adhesion, side->radius);
+    raise(dem, p,
+          gn_expected_overlap(ctx, dem, kn, pull, own[3], gn_relative_speed2(own, v), side->radius,
+                              known));
 }
 
 /* Returns the velocity of the surface at the contact. */

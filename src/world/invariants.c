@@ -3,6 +3,7 @@
 
 #include "frame/frame.h"
 #include "kernels/partials.h"
+#include "particles/clumps.h"
 #include "particles/dormant.h"
 #include "particles/joint_faces.h"
 #include "particles/law.h"
@@ -86,7 +87,7 @@ static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
             const double *x = q->pos + 4 * (int64_t)i, *y = q->pos + 4 * (int64_t)j;
             double d[3], gap = sqrt(gn_branch(ctx, x, y, d)) - x[3] - y[3];
             bool there = gn_particle_is_active(q, i) && gn_particle_is_active(q, j);
-            there = there && !gn_is_hidden_pair(ctx, dem, i, j);
+            there = there && !gn_is_hidden_pair(ctx, dem, i, j) && !gn_clump_binds(dem, i, j);
             bool bond = listed(&dem->bonds.contacts, i, j),
                  pair = listed(&dem->pairs.contacts, i, j);
             assert(!(bond && pair));
