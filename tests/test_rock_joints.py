@@ -155,6 +155,34 @@ def a_smooth_joint_slides_far_at_its_friction_where_particles_ride_over_others(f
     assert rise > 2e-4, rise
 
 
+# --- stiffness of a specimen ---
+
+
+def stretched(folder, name, stiffness, levels=(8, 12, 16)):
+    """The modulus in Pa of a packing with horizontal joints at heights in mm, in tension."""
+    scene = packed(None, count=300, modulus=20e9, damping={"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+                   test={"kind": "tension", "axis": "y", "lower": "below", "upper": "above", "length": HEIGHT, "diameter": WIDTH})
+    scene["sets"] = [{"name": name, "select": {"end": {"axis": "y", "side": side, "depth": 4e-3}}, "motion": {"vy": [[0, 0], [5e-4, speed]]}}
+                     for name, side, speed in (("below", "lower", -2e-3), ("above", "upper", 2e-3))]
+    scene["joints"] = [{"name": f"j{level}", "point": [0, level / 1e3], "normal": [0, 1], "normal_stiffness": stiffness,
+                        "shear_stiffness": stiffness / 2, "cohesion": 1e12, "tensile_strength": 1e12} for level in levels]
+    scene["time"]["end"] = 2e-3
+    out = os.path.join(folder, name)
+    run(write_scene(folder, scene, name + ".yaml"), out)
+    h = history(out)
+    late = slice(len(h["time"]) // 2, None)
+    return np.polyfit(h["strain"][late], h["stress"][late], 1)[0]
+
+
+@fact
+def a_set_of_joints_adds_its_compliance_to_that_of_the_rock(folder):
+    """1/E = const + 1/(k_n s) (Amadei & Goodman 1981); the constant is below 1/E of the rock, because joints replace bonds."""
+    stiff, soft = 2e12, 2e11
+    found = 1 / stretched(folder, "soft", soft) - 1 / stretched(folder, "stiff", stiff)
+    wanted = 3 / HEIGHT * (1 / soft - 1 / stiff)
+    assert abs(found / wanted - 1) < 0.02, found / wanted
+
+
 # --- places ---
 
 
