@@ -11,8 +11,8 @@
 void gn_turn_axes(const double turn[4], double axes[9]);
 /* Computes the product of two quaternions: the rotation `b` followed by `a`. */
 void gn_turn_product(const double a[4], const double b[4], double out[4]);
-/* Normalises the quaternion q, so that rounding cannot accumulate, and computes its matrix; the unit
- * quaternion of a body that does not rotate is unchanged. */
+/* Normalises the quaternion q, so that rounding cannot accumulate, and computes its matrix; the
+ * unit quaternion of a body that does not rotate is unchanged. */
 void gn_turn_settle(double q[4], double axes[9]);
 /* Computes the quaternion q of a rotation matrix m (Shepperd 1978). */
 void gn_turn_of_matrix(const double m[9], double q[4]);
