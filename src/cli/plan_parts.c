@@ -552,15 +552,17 @@ void gn_print_idle(const gn_world *world) {
 
 void gn_print_joint_check(const gn_world *world, int *warnings) {
     const gn_step_context *ctx = &world->ctx;
-    char text[GNEISS_MESSAGE_SIZE];
+    char text[GNEISS_MESSAGE_SIZE] = "";
     for (size_t k = 0; k < ctx->scene.joint_count; k++) {
         const gn_joint_start start = gn_joint_at_start(&world->dem, k);
         printf("  joint            '%.60s': %.0f contacts, area %.4g m2 of %.4g m2 wanted\n",
                ctx->scene.joints[k].name, start.contacts, start.reached, start.wanted);
     }
-    for (int k = 0; k < 2; k++) {
-        if (!(k ? gn_joints_lack_area : gn_joints_are_close)(ctx, &world->dem, text, sizeof text))
-            continue;
+    if (gn_joints_are_close(ctx, &world->dem, text, sizeof text)) {
+        printf("  warning: %s\n", text);
+        (*warnings)++;
+    }
+    if (gn_joints_lack_area(ctx, &world->dem, text, sizeof text)) {
         printf("  warning: %s\n", text);
         (*warnings)++;
     }

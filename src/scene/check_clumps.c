@@ -27,7 +27,8 @@ static gneiss_status check_centres(const check *section, const gn_clump_shape_de
     const double *x = shape->spheres;
     for (size_t k = 1; k < shape->sphere_count; k++)
         for (size_t i = 0; i < k; i++)
-            if (memcmp(x + 4 * i, x + 4 * k, 3 * sizeof *x) == 0)
+            if (x[4 * i] == x[4 * k] && x[4 * i + 1] == x[4 * k + 1] &&
+                x[4 * i + 2] == x[4 * k + 2])
                 return gn_check_fail(section, "spheres",
                                      "expected distinct centres, found rows %zu and %zu (base 0) "
                                      "about one centre",
